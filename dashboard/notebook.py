@@ -107,10 +107,12 @@ def _curve(run: Trajectory, quantity: Quantity, name: str) -> hv.Curve:
     """Return a quantity of a run over distance; one that is constant in each cell as steps."""
     axes = [hv.Dimension(one.name, label=one.words) for one in (POSITION, quantity)]
     curve = hv.Curve((POSITION.values(run), quantity.values(run)), *axes, label=name)
-    told = [(one.words, f"@{one.name}{{{0:.{one.digits}f}}}") for one in (POSITION, quantity)]
+    quantities = [(one.words, f"@{one.name}{{{0:.{one.digits}f}}}") for one in (POSITION, quantity)]
     # a node has the value of the cell before it
     steps = "steps-pre" if quantity.stepped else "linear"
-    return curve.opts(backend="bokeh", interpolation=steps, tools=["hover"], hover_tooltips=[("Run", "$label"), *told])
+    return curve.opts(
+        backend="bokeh", interpolation=steps, tools=["hover"], hover_tooltips=[("Run", "$label"), *quantities]
+    )
 
 
 def _frame(runs: Collection[Trajectory], quantity: Quantity, height_px: int, dark: bool) -> dict[str, Any]:

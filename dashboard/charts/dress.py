@@ -185,11 +185,11 @@ def empty_figure(
     """Return a figure with both axes; where the y axis has no title, the caption names it."""
     f = figure(height=height, x_range=x_range, y_range=y_range, tools="")
     f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
-    dress_alone(f, name, palette, ticks, digits)
+    dress_single(f, name, palette, ticks, digits)
     return f
 
 
-def dress_alone(
+def dress_single(
     f: figure, name: str, palette: Palette, ticks: int = 6, digits: int = 0, keeps_hover: bool = False
 ) -> None:
     """Give a figure its name, the look of a figure with axes of its own, and its toolbar.

@@ -197,7 +197,7 @@ class RunLines(DistanceChart):
                 drawn[name] = curve
         order = list(runs)
         names = sorted(drawn, key=lambda name: order.index(self.lines[name].of or name))
-        self.told["sources"] = [self.read(name, name) for name in names]
+        self.cursor_data["sources"] = [self.read(name, name) for name in names]
         return drawn
 
     def read(self, name: str, word: str, *unit: Any, y: str = "") -> list[Any]:
@@ -236,7 +236,7 @@ def ends_of(curves: Collection[Curve]) -> tuple[float, float]:
 def draw_in_row(chart: RunLines, runs: Mapping[str, Any], bands: Sequence[Ends] = ()) -> None:
     """Draw the runs that there are over time, their names in a row above them, and bands from time to time [s]."""
     drawn = chart.fill(runs, over_time=True)
-    chart.told["sources"] = [chart.read(word, word) for word in drawn]
+    chart.cursor_data["sources"] = [chart.read(word, word) for word in drawn]
     low, high = ends_of([*drawn.values(), (np.zeros(1), np.zeros(1))])
     bottom, top = nice_range(low, high)
     bottom = bottom if low < 0 else 0.0

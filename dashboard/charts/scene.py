@@ -169,8 +169,8 @@ class RunChart(RunLines, SceneChart):
             if name != "fastest" or self.with_fastest or scene.chosen == "fastest"
         }
         drawn = self.fill(named, scene.over_time)
-        told = {scene.chosen: "planned" if scene.actual else "", ACTUAL: "actual", PINNED: "pinned"}
-        self.told["sources"] = [self.read(name, word) for name, word in told.items() if name in named]
+        labels = {scene.chosen: "planned" if scene.actual else "", ACTUAL: "actual", PINNED: "pinned"}
+        self.cursor_data["sources"] = [self.read(name, word) for name, word in labels.items() if name in named]
         draw_borders(self, scene)
         return {name: drawn[name] for name in named}
 

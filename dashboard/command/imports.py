@@ -174,8 +174,8 @@ def railtoolkit(options: argparse.Namespace) -> None:
 
     imported = read_railtoolkit(SourceFile.read(options.file, options.encoding), options.train)
     files.write(options.output, imported.to_toml())
-    told = _line_words(imported.line) if isinstance(imported, ImportedLine) else _vehicle_words(imported.vehicle)
-    _tell(imported, options.output, told)
+    description = _line_words(imported.line) if isinstance(imported, ImportedLine) else _vehicle_words(imported.vehicle)
+    _tell(imported, options.output, description)
 
 
 def data_sheet(options: argparse.Namespace) -> None:

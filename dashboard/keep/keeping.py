@@ -117,9 +117,9 @@ class Keeping(param.Parameterized):
         if read.snapshot:
             refusals = self._lay(read.snapshot)
             self.note()
-        told = " ".join(filter(None, [read.refusal, sentence(list(refusals))]))
-        if told:
-            self.tell(told)
+        message = " ".join(filter(None, [read.refusal, sentence(list(refusals))]))
+        if message:
+            self.tell(message)
 
     def open_file(self, name: str, text: str) -> None:
         """Take the scenario of a file that was dropped or chosen."""

@@ -163,7 +163,7 @@ class Figures:
         if section == "result":
             axis.fit(self._scene(None).end, roomy=True)
             kinds = [(SpeedChart, 270), (PhaseStrip, 26), (LineStrip, 104), (EnergyChart, 160), (EffortChart, 120)]
-            kinds += [(CurrentChart, 120)] if CurrentChart.knows(findings.run) else []
+            kinds += [(CurrentChart, 120)] if CurrentChart.has_current(findings.run) else []
             return [make(height, axis, self.palette) for make, height in [*kinds, (PowerChart, 150)]]
         assert reality is not None
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)

@@ -14,7 +14,7 @@ from railjoule.dashboard.limits import LONGEST_TEXT, MOST_ITEMS
 LARGEST_INTEGER = 2**53
 """Bound of whole numbers without bounds of their own."""
 # characters of a stranger's value in a sentence, and choices that a sentence lists
-LONGEST_SHOWN, MOST_TOLD = 40, 8
+LONGEST_SHOWN, MAX_LISTED = 40, 8
 
 
 class Kept(param.Parameterized):
@@ -167,7 +167,7 @@ def _choice(value: Any, objects: Any) -> Any:
 
 def _choices_words(value: Any, names: list[str]) -> str:
     """Return the end of a sentence about an unknown choice: it lists a few choices, and of many the most similar."""
-    if len(names) <= MOST_TOLD:
+    if len(names) <= MAX_LISTED:
         return f"must be one of {', '.join(names)}"
     # cut first, as a text of a link may have megabytes, which are compared letter by letter
     close = difflib.get_close_matches(str(value)[:LONGEST_SHOWN], names, n=1)

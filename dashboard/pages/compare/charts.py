@@ -100,7 +100,7 @@ class ComparedChart(RunLines):
             drawn = [contender for contender in drawn if contender is not reference] or [reference]
         curves = self.fill({contender.key: contender.run for contender in drawn}, over_time)
         first = sorted(drawn, key=lambda contender: contender is not reference)[:MAX_READ]
-        self.told["sources"] = [self.read(contender.key, f"{contender.sign}:") for contender in first]
+        self.cursor_data["sources"] = [self.read(contender.key, f"{contender.sign}:") for contender in first]
         unnamed = self._fit_axis(curves, among[0].run)
         if self.plot.names == "along":
             self._name(curves, drawn, [contender.sign for contender in drawn], unnamed)

@@ -31,7 +31,7 @@ class ActualFields:
             label="+ stop", variant="text", size="small", margin=(0, 8), on_click=lambda _: day.add_stop()
         )
         reactions = {name: reaction for reaction, name in words.REACTION_WORDS.items()}
-        self.reaction = menu(day, "reaction", "Who reacts", reactions)
+        self.reaction = menu(day, "reaction", "Reaction", reactions)
         self.equal = pmui.Button(
             label="As planned", variant="text", size="small", margin=(0, 8), on_click=lambda _: day.as_planned()
         )

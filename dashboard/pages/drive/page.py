@@ -309,7 +309,7 @@ class Drive(Page):
             row = self.mover_menu, self.moved_field, self.moved_text, self.pin_moved
             self.mover[:] = [pn.Row(*row, margin=0, stylesheets=[MOVER_CSS])]
         self._show_moved()
-        heading = parts.html_pane("<h2>What it is worth</h2>")
+        heading = parts.html_pane("<h2>Saving of a year</h2>")
         fields = [NumberField(self, name, margin=(0, -16)) for name in WORTH_FIELDS]
         with one_message():
             self.worth[:] = [
@@ -417,7 +417,7 @@ class Drive(Page):
         )
         # narrow windows have no names at the ends of lines, for which the room would be
         host.axis.fit(scene.end, roomy=not narrow)
-        has_current, wide = SupplyChart.knows(run), window_px >= SANKEY_FROM_PX
+        has_current, wide = SupplyChart.has_current(run), window_px >= SANKEY_FROM_PX
         self.supply_buttons.visible, self.no_current.visible = has_current, not has_current
         # a picture has even steps: those over places would be uneven over time
         law = None if desk.over_time else runs.law

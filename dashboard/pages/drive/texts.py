@@ -43,7 +43,7 @@ def is_same_plan(actual: ActualRun, run: Trajectory) -> bool:
 
 
 def cause_words(cause: Cause, scenario: Scenario) -> str:
-    """Return what a cause is called: which way the load differs, how many stops there are."""
+    """Return the name of a cause, with the direction of a load error and the number of stops."""
     disturbance = scenario.disturbance
     if cause.name == "load" and disturbance.actual_load_factor is not None:
         heavier = disturbance.actual_load_factor > scenario.vehicle.load_factor
@@ -58,9 +58,9 @@ def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
     largest = actual.max_cause
     cause = figure("Largest cause", words.UNKNOWN, "", "none", kind="cause")
     if largest is not None:
-        told = cause_words(largest, actual.scenario)
+        name = cause_words(largest, actual.scenario)
         added = words.energy_difference(largest.energy_kwh)
-        cause = figure("Largest cause", added, "kWh", told[0].lower() + told[1:], kind="cause")
+        cause = figure("Largest cause", added, "kWh", name[0].lower() + name[1:], kind="cause")
     return figures(
         [
             _main(actual),
@@ -103,18 +103,18 @@ def _planned(actual: ActualRun, run: Trajectory) -> str:
 
 
 def late_words(actual: ActualRun) -> str:
-    """Return how late a run arrives, and how far from its place it stands, as HTML."""
+    """Return delay and stopping error of a run as HTML."""
     late = actual.delay_s
-    told = [markup(OPEN, missed) for missed in comparisons.misses(late, actual.stop_error_m)]
+    parts = [markup(OPEN, missed) for missed in comparisons.misses(late, actual.stop_error_m)]
     if late < comparisons.OTHER_TIME_S:
-        told.insert(0, escaped("on time" if late > -comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"))
-    return joined(told, ", ")
+        parts.insert(0, escaped("on time" if late > -comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"))
+    return joined(parts, ", ")
 
 
 def causes_block(actual: ActualRun) -> str:
-    """Return where the extra energy comes from, as bars that follow one another and sum to the whole."""
+    """Return the causes of the extra energy as consecutive bars that sum to the whole."""
     if not actual.causes:
-        return markup(CAUSES, "Where the extra energy comes from", note_paragraphs([EQUAL]))
+        return markup(CAUSES, "Causes of the extra energy", note_paragraphs([EQUAL]))
     energies = [cause.energy_kwh for cause in actual.causes]
     ends = list(accumulate(energies))
     low, high = min(0.0, *ends), max(0.0, *ends)
@@ -131,10 +131,10 @@ def causes_block(actual: ActualRun) -> str:
         for cause, start in zip(actual.causes, [0.0, *ends], strict=False)
     ]
     rows.append(bar("Together", 0.0, ends[-1], "all", strong=True))
-    title = f"Where the extra {words.energy(abs(actual.extra_kwh))} kWh comes from"
+    title = f"Causes of the extra {words.energy(abs(actual.extra_kwh))} kWh"
     if actual.extra_kwh < 0:
         energy = words.energy(abs(actual.extra_kwh))
-        title = f"Where the {f'{energy} kWh less' if is_false_saving(actual) else f'saved {energy} kWh'} comes from"
+        title = f"Causes of the {'difference: ' if is_false_saving(actual) else 'saving: '}{energy} kWh less"
     order = ["Each cause is added to those above it."] if len(energies) > 1 else []
     flow = markup("<div class=flow>{}</div>", joined(rows))
     return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
@@ -145,7 +145,7 @@ def causes_block(actual: ActualRun) -> str:
 BOXES = 1e6
 EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
 PROOF = (
-    '<div class="block inset"><h2>What is proven {}</h2><div class="proof-row">'
+    '<div class="block inset"><h2>Lower bound {}</h2><div class="proof-row">'
     '<span role="status" aria-live="polite">{}'
     '</span> <span class="muted">{}</span></div>{}</div>'
 )
@@ -205,7 +205,7 @@ def worth(
     ]
     earlier_s = run.travel_time_s - baseline.travel_time_s
     note = f"{name}: {words.time(earlier_s)} s earlier." if earlier_s >= comparisons.OTHER_TIME_S else ""
-    return plain_table((f"{verb} a year", ""), rows, "What it is worth") + note_paragraphs(filter(None, [note]))
+    return plain_table((f"{verb} a year", ""), rows, "Saving of a year") + note_paragraphs(filter(None, [note]))
 
 
 # ---- a moved instruction

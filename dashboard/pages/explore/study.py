@@ -105,7 +105,7 @@ class Studies(Page):
     choice = param.Dict(default={}, doc="Ends of the selection, by column.")
     listed = param.Integer(default=ROWS_AT_ONCE, doc="How many of the selected runs are listed.")
     refusal = param.String(default="", doc="Why a study was not begun or opened.")
-    note = param.String(default="", doc="What was saved.")
+    note = param.String(default="", doc="The saved study.")
     may_go_on = param.Boolean(default=True, doc="Whether a study that has stopped can go on.")
 
     def __init__(self, desk: Any, **params: Any) -> None:
@@ -159,10 +159,8 @@ class Studies(Page):
             f"table = sweep(scenario, {over!r}, {study.sample}, {study.method!r}, seed={study.seed}, "
             f"columns={study.columns!r})\nprint(table.to_dataframe())\n"
         )
-        untold = "The page shows a study of many runs, whose ranges no scenario file has; study sweep takes them."
-        return PageRun(
-            Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, untold
-        )
+        note = "The page shows a study of many runs, whose ranges no scenario file has; study sweep takes them."
+        return PageRun(Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, note)
 
     # ---- what it computes
 

@@ -60,7 +60,7 @@ class FileCard:
     def __init__(self, say: Callable[[str, str], None], remove: Callable[[], None]) -> None:
         self.say, self._quiet = say, False
         self.head, self.messages, self.table = (_text() for _ in range(3))
-        self.kind = menu("What it is", SELECT_PX)
+        self.kind = menu("Kind of file", SELECT_PX)
         self.kind.param.watch(lambda event: self._choose("kind", event.new), "value")
         self.remove = pmui.Button(variant="text", on_click=lambda _: remove(), **SMALL)
         self.choices, self.questions = parts.stack(), parts.stack()

@@ -90,7 +90,7 @@ class Reading:
         Of which the line was put together.
     vehicle : ImportedVehicle or None
     travel_time_s : float or None
-        That of a journey.
+        The travel time of a journey.
     findings, unused : tuple of str
         Of the line as a whole.
     runs : tuple of RunFile
@@ -125,7 +125,7 @@ def read_files(request: Request) -> Iterator[Reading]:
 
 
 def put_together(cards: Sequence[Card], request: Request) -> Reading:
-    """Return the line and the vehicle of all cards; of two that tell of the same the last one counts."""
+    """Return the line and the vehicle of all cards; of two of one kind the last one counts."""
     read = [card for card in cards if not card.failure]
     runs = tuple(run for card in read if card.is_run for run in card.result)
     read = [card for card in read if not card.is_run]
@@ -195,7 +195,7 @@ def _place(label: str, text: str) -> float | None:
 
 
 def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Brought]) -> Reading:
-    """Return the reading with the line of TTOBench, and with what its train and its journey say of it."""
+    """Return the reading with the line of TTOBench, completed from its train and its journey."""
     track = kinds["track"].result
     if "train" not in kinds:
         return replace(reading, line=track)
@@ -204,14 +204,14 @@ def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Bro
     journey = sources[kinds["journey"].number] if "journey" in kinds else None
     made = read_ttobench(of_track, of_train, journey)
     line = replace(track, document={"line": made.document["line"]}, line=made.line)
-    told = (*track.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
+    shown = (*track.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
     return replace(
         reading,
         line=line,
         travel_time_s=made.travel_time_s,
         extra={key: value for key, value in made.document.get("timetable", {}).items() if key != "travel_time_s"},
-        findings=tuple(one.sentence for one in made.findings if one.sentence not in told and one.other_unit is None),
-        unused=(*reading.unused, *(sentence for sentence in made.unused if sentence not in told)),
+        findings=tuple(one.sentence for one in made.findings if one.sentence not in shown and one.other_unit is None),
+        unused=(*reading.unused, *(sentence for sentence in made.unused if sentence not in shown)),
     )
 
 
@@ -219,7 +219,7 @@ def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Bro
 
 
 def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
-    """Yield the scenarios that can be made of a reading and of what stands on the page."""
+    """Yield the scenarios that can be made of a reading and the scenario of the page."""
     if reading.line is None and reading.vehicle is None:
         return
     own = to_document(base)
@@ -237,7 +237,7 @@ def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
 
 
 def refused_parts(reading: Reading, others: Collection[str]) -> tuple[str, ...]:
-    """Return in words what the files tell that could not be read, but for `others`, kinds that do not matter."""
+    """Return the names of what the unread files describe, without the kinds in `others`, which do not matter."""
     refused = [card for card in reading.cards if card.failure and card.kind not in (*others, "run")]
     words = (f"the {TABLE_WORDS[card.kind].lower()}" if card.kind in TABLE_WORDS else card.name for card in refused)
     return tuple(dict.fromkeys(words))

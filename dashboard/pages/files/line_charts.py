@@ -21,7 +21,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.files.compute import Reading
 
 Gap = tuple[float, float]
-"""Where it begins and ends, from the start of the run [m]."""
+"""Its begin and end, from the start of the run [m]."""
 Sign = tuple[float, float, float, str]
 """Begin and end of what it is about [m], the value at which it stands, and its text."""
 SIGN_PX, ROOM_PX = 11, 4
@@ -176,7 +176,7 @@ def alike(line: Line, values: Sequence[float]) -> list[tuple[float, float, float
 
 
 def gaps_of(reading: Reading, kind: str) -> list[Gap]:
-    """Return where the table of a kind says nothing of the line, from the start of the run; nothing where none is."""
+    """Return the gaps in the table of a kind, from the start of the run [m]; none without such a table."""
     line = reading.line
     table = next((one for one in reading.tables if one.kind == kind), None)
     if line is None or table is None:

@@ -95,8 +95,8 @@ class Files(RunsTab):
     def page_run(self) -> PageRun:
         """Return the plan: a measured run stands beside it, and its file in no scenario."""
         plan = super().page_run()
-        untold = "The page shows measured runs, whose files no scenario file has; this is the plan."
-        return PageRun(plan.program, plan.changes, untold) if self.tab == RUNS and self.measured is not None else plan
+        note = "The page shows measured runs, whose files no scenario file has; this is the plan."
+        return PageRun(plan.program, plan.changes, note) if self.tab == RUNS and self.measured is not None else plan
 
     # ---- files
 
@@ -220,6 +220,6 @@ class Files(RunsTab):
         self.refused.object = parts.refusal(self.refusal) if self.refusal else ""
         is_empty = not (self.runs if self.tab == RUNS else [card for card in self.cards if not card.is_run])
         sentences, head, rows = texts.INVITATION[self.tab]
-        table = parts.table("What you can drop", head, [(row, False) for row in rows])
+        table = parts.table("Accepted files", head, [(row, False) for row in rows])
         self.invitation.object = parts.finding(sentences) + table if is_empty else Markup("")
         self.sheet.view.visible = self.tab == LINE

@@ -52,13 +52,19 @@ BUTTON: dict[str, Any] = {"variant": "outlined", "size": "small", "height": 30, 
 class RunsTab(LineTab):
     """The recorded runs among the files."""
 
-    answers = param.Dict(default={}, doc="What columns mean, by their names: a quantity and a unit, or nothing.")
+    answers = param.Dict(default={}, doc="Meanings of columns by their names: a quantity and a unit, or nothing.")
     begins_at_m = TypedNumber(
-        "Begins at, m", "m", 0, default=None, allow_None=True, bounds=(0.0, 1e6), doc="Where the runs begin; found."
+        "Begins at, m",
+        "m",
+        0,
+        default=None,
+        allow_None=True,
+        bounds=(0.0, 1e6),
+        doc="Start of the runs; found if empty.",
     )
     shown = param.String(default="", doc="Name of the run that is shown; the last one where there is none of it.")
     coasting_only = param.Boolean(default=False, doc="Fit only samples without effort.")
-    measured = result(Measured, "What came of the runs so far.")
+    measured = result(Measured, "The runs on their line so far.")
 
     @property
     def runs(self) -> tuple[RunFile, ...]:

@@ -1,4 +1,4 @@
-"""One of the five lessons with live figures: a question first, then the optimum over what it is compared with."""
+"""One of the five lessons with live figures: first a question, then the optimum with the run to compare."""
 
 from typing import TYPE_CHECKING, Any
 

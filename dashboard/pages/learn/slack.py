@@ -21,7 +21,7 @@ NAMES = ("Harbour", "Old Town", "University", "Hill")
 # assumed: the first line has one long leg between short ones, the second has legs nearly alike
 LENGTHS_M = {"uneven": (400.0, 2000.0, 600.0), "even": (1100.0, 1350.0, 1050.0)}
 SLACK_S, DWELL_S = 60, 25.0
-"""What there is to share out over the shortest times, and how long the train stands at each station between [s]."""
+"""Supplement to distribute over the shortest times, and dwell time at each intermediate station [s]."""
 LEAST_S = 1
 """No leg gets less, as the shortest time itself leaves nothing to choose."""
 MOST_S = SLACK_S - LEAST_S * (len(NAMES) - 2)
@@ -38,7 +38,7 @@ TOO_FEW = "{leg}: {seconds} s too few. Here one more second would save {price} W
 
 
 def begin(text: str) -> dict[str, Any]:
-    """Return what the browser begins with: both lines, and equal seconds on the first or the distribution of a link.
+    """Return the initial data of the browser: both lines, and equal seconds on the first or the distribution of a link.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def task_of(name: str) -> Task:
 
 
 def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
-    """Return a line whose given timetable is a sharing."""
+    """Return a line whose given timetable is a distribution."""
     task = task_of(name)
     shortest = shortest_times_s(task, stop_nodes(task))
     running = [float(least) + more for least, more in zip(shortest, seconds, strict=True)]
@@ -117,7 +117,7 @@ def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
 
 
 def judge(text: str) -> Verdict:
-    """Return how a distribution compares with the best one.
+    """Compare a distribution with the best one.
 
     Raises
     ------
@@ -147,10 +147,10 @@ def judge(text: str) -> Verdict:
 
 
 def _on_leg(mine: Leg, best: Leg) -> str:
-    """Return what a leg got and what the best sharing gives it."""
+    """Return a sentence that compares the supplement of a leg with the best one."""
     more = mine.supplement_s - best.supplement_s
-    told = AS_BEST if abs(more) < ALIKE_S else TOO_MANY if more > 0 else TOO_FEW
-    return told.format(
+    sentence = AS_BEST if abs(more) < ALIKE_S else TOO_MANY if more > 0 else TOO_FEW
+    return sentence.format(
         leg=f"{mine.departs_from} \u2013 {mine.arrives_at}",
         seconds=words.time(abs(more)),
         price=words.price(mine.price_of_time_w),
@@ -158,7 +158,7 @@ def _on_leg(mine: Leg, best: Leg) -> str:
 
 
 def _worth(share: float) -> str:
-    """Return what an equal supplement costs on a line, and whether a better distribution pays."""
+    """Return sentences on the cost of an equal supplement on a line, and on the use of a better distribution."""
     costs = f"An equal supplement costs {100 * share:.2f} % more than the best distribution"
     # as on the page Line: a load or a day's weather moves the energy by more
     if share >= 0.01:

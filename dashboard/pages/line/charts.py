@@ -1,4 +1,4 @@
-"""The charts of Line: speed, train path, and what each leg gets of time and needs of energy, all over the distance."""
+"""The charts of Line over the distance: speed, train path, time supplement and energy of each leg."""
 
 from collections.abc import Callable, Mapping, Sequence
 from operator import methodcaller
@@ -70,7 +70,7 @@ def compared(runs: LineRuns, other: Sharing) -> dict[str, Trajectory]:
 
 
 def stations(legs: Sequence[Leg]) -> list[float]:
-    """Return where the stations between the ends lie [m]."""
+    """Return the positions of the stations between the ends [m]."""
     return [leg.end_m for leg in legs[:-1]]
 
 
@@ -111,7 +111,7 @@ class LegBars(DistanceChart):
     name, caption : str
         As in `Chart`.
     value : callable
-        What is drawn of a leg.
+        Value of a leg.
     show : callable
         How the optimum's numbers above the bars read.
     """
@@ -247,7 +247,7 @@ GRIP_COLUMNS = ("x", "y", "rest", "time", "low", "high", "name")
 
 
 def grip_columns(runs: LineRuns) -> dict[str, list[Any]]:
-    """Return where the stations can be dragged, and how far: on the bars of the given timetable, else of the optimum.
+    """Return handles of the stations with their ranges: on the bars of the given timetable, else of the optimum.
 
     Between two arrivals that a timetable gives the optimum shares the time, so that all of it there can be moved.
     """

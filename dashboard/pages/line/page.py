@@ -76,7 +76,9 @@ class WholeLines(Page):
     inner_stations = param.List(
         default=[], item_type=StationModel, doc="The stations between the ends, in running order."
     )
-    other = param.Selector(default="proportional", objects=list(OTHERS), doc="What to compare the optimum with.")
+    other = param.Selector(
+        default="proportional", objects=list(OTHERS), doc="Timetable with which the optimum is compared."
+    )
     moving = param.Boolean(default=False, doc="Whether a station is being dragged.")
     moved = param.Tuple(default=None, length=2, allow_None=True, doc="Its number, and the arrival where it is now, s.")
     runs = result(LineRuns, "The last good runs; of the example where the line has no stations.")
@@ -247,8 +249,8 @@ class WholeLines(Page):
     def page_run(self) -> PageRun:
         """Return the whole line as a program."""
         # the page divides the time by optima, whatever strategy is chosen
-        untold = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
-        return PageRun(WHOLE_LINE, {"strategy": "optimal"}, untold)
+        program_note = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
+        return PageRun(WHOLE_LINE, {"strategy": "optimal"}, program_note)
 
     # ---- what it shows
 

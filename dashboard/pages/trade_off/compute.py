@@ -74,7 +74,7 @@ class TradeOff:
     Parameters
     ----------
     scenario : Scenario
-        What was asked for; its own travel time does not matter.
+        The request; its own travel time does not matter.
     frontier : Frontier
         The optima.
     enoc : Frontier or None
@@ -174,7 +174,7 @@ def compute_trade_off(request: TradeOffRequest) -> TradeOff:
         line = plain_line(task)
     except StrategyRefusedError as refusal:
         return TradeOff(request.scenario, frontier, None, None, None, str(refusal))
-    # for the map alone: ENOC's curve and single points keep the vehicle's own loss
+    # only for the map: ENOC's curve and single points keep the vehicle's own loss
     weighted = replace(line, loss_coefficient=line.loss_coefficient * request.copper_weight)
     return TradeOff(
         scenario=request.scenario,

@@ -202,7 +202,7 @@ def printed_table(table: StudyTable, measure: Measure) -> str:
     """
     scenario, paper = table.scenario, PAPER
     entry = next((entry for entry in paper["table"] if entry["scenario"] == scenario.line.preset), None)
-    if entry is None or not table.both_directions or table.knows != "nothing":
+    if entry is None or not table.both_directions or table.known != "nothing":
         return ""
     base = load_scenario(entry["scenario"])
     if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:

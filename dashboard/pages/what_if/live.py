@@ -195,7 +195,7 @@ class Live:
         self.model.take(state.scenario.edited)
 
     def _forget(self, *_: Any) -> None:
-        """Forget the run, as its scenario has gone."""
+        """Remove the run, as its scenario has been replaced."""
         self._asked = None
         self._drop()
 

@@ -301,16 +301,16 @@ def test_a_heading_names_the_unit_of_positions(heading, end_m):
 @pytest.mark.parametrize(
     ("text", "kind", "doubt"),
     [
-        ("from_m,to_m,gradient (x)\n0,500,5\n", "gradients", "'gradient (x)' says 'x', which is not understood"),
+        ("from_m,to_m,gradient (x)\n0,500,5\n", "gradients", "'gradient (x)' contains 'x', which is not understood"),
         ("from_m,to_m,gradient (\u2030; fall +)\n0,500,5\n", "gradients",
-         "'gradient (\u2030; fall +)' says '\u2030; fall +', which is not understood"),
+         "'gradient (\u2030; fall +)' contains '\u2030; fall +', which is not understood"),
         ("from_m,to_m,gradient compensated\n0,500,5\n", "gradients",
-         "'gradient compensated' says 'compensated', which is not understood"),
+         "'gradient compensated' contains 'compensated', which is not understood"),
         ("from_m,to_m,gradient (%) [\u2030]\n0,500,5\n", "gradients",
          "'gradient (%) [\u2030]' names 2 units, per cent and per mille"),
         ("from_m,to_km,gradient_permille\n0,500,5\n", "gradients", "'from_m' and 'to_km' name two units, m and km"),
         ("from (furlong),to,limit_kmh\n0,500,60\n", "limits",
-         "'from (furlong)' says 'furlong', which is not understood"),
+         "'from (furlong)' contains 'furlong', which is not understood"),
         ("from_m,to_m,curvature\n0,500,0.004\n", "curves",
          "'curvature' is no radius, and does not name the unit of its curvatures"),
         ("from_m,to_m,gradient\n0,500,1.2 %\n500,900,3\n", "gradients",
@@ -362,7 +362,7 @@ def test_a_size_in_doubt_is_told_where_the_unit_is_named():
 
 def test_a_column_of_another_quantity_is_no_gradient():
     """field.md, row 13: heights that the user names as the column of gradients were per mille."""
-    with pytest.raises(UnitError, match=r"'elevation_m' says 'm', which is not understood; name the unit, as "):
+    with pytest.raises(UnitError, match=r"'elevation_m' contains 'm', which is not understood; name the unit, as "):
         table_of("position_m,elevation_m\n0,120\n1000,128\n", columns={"value": "elevation_m"})
 
 
