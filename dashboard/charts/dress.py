@@ -151,7 +151,7 @@ def text_style(size: int = 12) -> dict[str, object]:
     return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}
 
 
-def style_of(name: str) -> dict[str, object]:
+def line_style(name: str) -> dict[str, object]:
     """Return width and dash of a strategy's line, or of the pinned run's."""
     return {"line_width": line_width(name), "line_dash": DASHES[name]}
 

@@ -151,7 +151,7 @@ def late(travel_time_s: float, asked_s: float) -> str:
     return f"{words.time(more)} s late" if more >= OTHER_TIME_S else ""
 
 
-def late_of(run: Trajectory) -> str:
+def delay_words(run: Trajectory) -> str:
     """Return how late a run arrives by its timetable; empty where it is in time."""
     return late(run.travel_time_s, run.scenario.travel_time_s)
 
@@ -159,7 +159,7 @@ def late_of(run: Trajectory) -> str:
 def off_time(run: Trajectory) -> str:
     """Return how late or early a run arrives by its timetable; empty where it is in time, or the best known itself."""
     earlier = run.scenario.travel_time_s - run.travel_time_s
-    return f"{words.time(earlier)} s early" if earlier >= OTHER_TIME_S and not is_reference(run) else late_of(run)
+    return f"{words.time(earlier)} s early" if earlier >= OTHER_TIME_S and not is_reference(run) else delay_words(run)
 
 
 def in_time_asked(run: Trajectory) -> str:
@@ -275,7 +275,7 @@ def time_asked(run: Trajectory) -> str:
     return f"timetable {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
 
 
-def waiting_of(run: Trajectory) -> str:
+def waiting_words(run: Trajectory) -> str:
     """Return why an optimum takes less time than asked, in four words; empty where it does not."""
     return WAITING if WAITING in other_time_of(run) else ""
 

@@ -185,7 +185,7 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> Markup:
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> Markup:
     """Return the numbers of Drive."""
     energy = run.energy
-    waiting = comparisons.waiting_of(run) and f": {comparisons.waiting_of(run)}"
+    waiting = comparisons.waiting_words(run) and f": {comparisons.waiting_words(run)}"
     main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.time(run.travel_time_s)} s{waiting}"
     slack = f"{words.time(run.travel_time_s - runs.shortest_time_s)} s of slack"
     mean = words.number(mean_speed_kmh(run))

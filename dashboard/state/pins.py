@@ -127,7 +127,7 @@ def recipe_of_recording(run: Trajectory) -> Recipe:
     return Recipe(None, None, {}, recording=hashlib.sha256(text.encode()).hexdigest()[:LONGEST_KEY])
 
 
-def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: str) -> Recipe:
+def make_recipe(model: ScenarioModel, scenario: Scenario, strategy: str) -> Recipe:
     """Return how a run over `scenario` comes about, from what the page edits where that is the same scenario."""
     if model.scenario() != scenario:
         # the page has moved on while the run was computed, or what it asks for cannot be run

@@ -511,7 +511,7 @@ class Drive(Page):
         advised, sentence, simple = self._advised(run)
         note = parts.markup("{}{}", sentence, info("Simple advice")) if sentence else ""
         self.advice_pane.object = parts.advice(advised, stale=sentence == COMPUTING, note=note)
-        pinned = simple is not None and self.desk.pin_of(simple.run) is not None
+        pinned = simple is not None and self.desk.find_pin(simple.run) is not None
         self.pin.param.update(
             visible=simple is not None, disabled=pinned, label="Pinned" if pinned else "Pin this advice"
         )

@@ -38,7 +38,7 @@ class Link:
     token: str
 
 
-def links_of(flow: EnergyFlow) -> tuple[Link, ...]:
+def build_links(flow: EnergyFlow) -> tuple[Link, ...]:
     """Return the flows between nodes, from top to bottom; inflow and outflow of each node are equal."""
     energy = flow.energy
     links = [
@@ -100,7 +100,7 @@ def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> Mar
     title : str
         The caption.
     """
-    links = links_of(flow)
+    links = build_links(flow)
     svg = Drawing(links, tokens, width_px).svg(title)
     rows = [((link.source, link.target, kwh(link.joules)), False) for link in links]
     table = parts.plain_table(("From", "To", "kWh"), rows, title)

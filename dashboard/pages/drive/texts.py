@@ -187,7 +187,7 @@ def worth(
     if baseline is None:
         missing = "Pin a run first." if name.startswith("Pinned") else "Computing ..."
         return note_paragraphs([missing if refusal is None else f"{name}: {refusal}"])
-    late, later = comparisons.late_of(run), comparisons.late(baseline.travel_time_s, run.travel_time_s)
+    late, later = comparisons.delay_words(run), comparisons.late(baseline.travel_time_s, run.travel_time_s)
     if late or later:
         return note_paragraphs(
             [f"This run is {late}: that saves nothing." if late else f"{name}: {later}, not comparable."]

@@ -174,7 +174,7 @@ class Brought:
         except ChoiceError as several:
             return self._guess_of_workbook(several)
         with encoding_mentioned(cells.findings):
-            kind = line_kind_of(cells) or ("run" if self._is_recorded() else "")
+            kind = guess_line_kind(cells) or ("run" if self._is_recorded() else "")
         if not kind:
             raise ScenarioError(f"{self.name}: {UNKNOWN}.")
         return kind
@@ -200,7 +200,7 @@ def is_recording(header: Sequence[str]) -> bool:
     return "time" in found or {"speed", "position"} <= set(found)
 
 
-def line_kind_of(cells: CellTable) -> Kind:
+def guess_line_kind(cells: CellTable) -> Kind:
     """Return the kind of a table by its columns, then by the file's name; empty if neither identifies it."""
     if is_recording(cells.header) and ("time" in find_quantities(cells.header) or kind_by_name(cells.source) is None):
         return "run"
@@ -229,7 +229,7 @@ def split_workbook(name: str, content: bytes) -> list["Brought"]:
     ]
 
 
-def selectors_of(cells: CellTable, used: tuple[str | None, ...]) -> list[str]:
+def find_selectors(cells: CellTable, used: tuple[str | None, ...]) -> list[str]:
     """Return the columns that name a line or a track."""
     names = [name for role in SELECTORS for name in NAMES[role]]
     return [column for column in cells.header if column not in used and any(same_name(column, name) for name in names)]

@@ -27,7 +27,7 @@ from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.vehicle import ImportedVehicle, checked_vehicle, questions, short_numbers
 from railjoule.core.measured.columns import UNITS
 from railjoule.dashboard.look.key_names import without_keys
-from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, selectors_of
+from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, find_selectors
 from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning, Question
 from railjoule.dashboard.pages.files.columns import UNIT_WORDS as RUN_UNIT_WORDS
 from railjoule.dashboard.pages.files.measured import ReadRun
@@ -157,7 +157,7 @@ class Card:
         return chosen or any(one.key == key and value in dict(one.answers).values() for one in self.questions)
 
 
-def card_of(file: Brought) -> Card:
+def build_card(file: Brought) -> Card:
     """Return the card of a file; an error in it becomes its failure, and is never raised."""
     card = Card(file.number, file.name)
     first = []
@@ -263,7 +263,7 @@ def _choices(file: Brought, found: ResolvedColumns | None, columns: Mapping[str,
         usual = f"{USUAL_TOLERANCE_M:g} m, usual"
         value = "" if wanted.tolerance_m is None else f"{wanted.tolerance_m:g}"
         yield _menu("tolerance_m", "Tolerance", TOLERANCES_M, value, {one: f"{one} m" for one in TOLERANCES_M}, usual)
-    for column in selectors_of(cells, tuple(columns.values())):
+    for column in find_selectors(cells, tuple(columns.values())):
         texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
         if len(texts) > 1:
             yield _menu(f"rows {column}", f"Only {column}", texts, wanted.rows.get(column, ""))

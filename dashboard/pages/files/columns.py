@@ -194,7 +194,7 @@ def read_run_file(source: SourceFile, sheet: str | None = None) -> RunFile:
     return RunFile(name, cells)
 
 
-def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]:
+def read_meanings(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]:
     """Return the meaning of each column of a file.
 
     Parameters
@@ -237,7 +237,7 @@ def settled(
 
     A column with an open question is not used; a choice of the user raises no question.
     """
-    meanings, doubts, assumed = meanings_of(file, answers), [], []
+    meanings, doubts, assumed = read_meanings(file, answers), [], []
     for header, meaning in meanings.items():
         if header in answers:
             continue

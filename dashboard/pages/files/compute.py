@@ -15,7 +15,7 @@ from railjoule.core.scenario.document import to_document
 from railjoule.core.strategies import prepare_task
 from railjoule.core.studies import StudyTable, assumption_steps
 from railjoule.dashboard.pages.files.brought import TABLE_WORDS, Brought
-from railjoule.dashboard.pages.files.cards import Card, card_of
+from railjoule.dashboard.pages.files.cards import Card, build_card
 from railjoule.dashboard.pages.files.columns import RunFile
 
 SLACK = 0.1
@@ -116,9 +116,9 @@ class Reading:
 
 def read_files(request: Request) -> Iterator[Reading]:
     """Yield what the files give, then the same with the scenarios that can be made of it."""
-    reading = put_together(tuple(card_of(file) for file in request.files), request)
+    reading = put_together(tuple(build_card(file) for file in request.files), request)
     yield reading
-    yield replace(reading, offers=tuple(offers_of(reading, request.base)))
+    yield replace(reading, offers=tuple(make_offers(reading, request.base)))
 
 
 # ---- all files together
@@ -218,14 +218,14 @@ def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Bro
 # ---- scenarios
 
 
-def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
+def make_offers(reading: Reading, base: Scenario) -> Iterator[Offer]:
     """Yield the scenarios that can be made of a reading and the scenario of the page."""
     if reading.line is None and reading.vehicle is None:
         return
     own = to_document(base)
     kept: dict[str, Any] = {key: own[key] for key in ("vehicle", "drive") if key in own}
     line = reading.line.document["line"] if reading.line is not None else None
-    train = _vehicle_of(reading.vehicle, base) if reading.vehicle is not None else None
+    train = _loaded_vehicle(reading.vehicle, base) if reading.vehicle is not None else None
     if line is not None and train is not None:
         yield replace(_offer("both", {**train, "line": line}, reading, None), waits_for=refused_parts(reading, ()))
     if line is not None:
@@ -243,7 +243,7 @@ def refused_parts(reading: Reading, others: Collection[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(words))
 
 
-def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
+def _loaded_vehicle(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
     """Return the vehicle's table with as many on board as now, as far as it carries them."""
     vehicle = imported.document["vehicle"]
     if not imported.vehicle.capacity_passengers * imported.vehicle.passenger_mass_kg:

@@ -129,8 +129,8 @@ def previews(reading: Reading, imported: ImportedLine) -> dict[str, Preview]:
     """Return the contents of the charts of the line that was read."""
     line = imported.line.in_running_order()
     return {
-        HEIGHT.name: height_preview(line, gaps_of(reading, "gradients")),
-        LIMITS.name: limits_preview(line, gaps_of(reading, "limits")),
+        HEIGHT.name: height_preview(line, find_gaps(reading, "gradients")),
+        LIMITS.name: limits_preview(line, find_gaps(reading, "limits")),
         CURVES.name: curves_preview(line, imported),
     }
 
@@ -175,7 +175,7 @@ def alike(line: Line, values: Sequence[float]) -> list[tuple[float, float, float
     return stretches
 
 
-def gaps_of(reading: Reading, kind: str) -> list[Gap]:
+def find_gaps(reading: Reading, kind: str) -> list[Gap]:
     """Return the gaps in the table of a kind, from the start of the run [m]; none without such a table."""
     line = reading.line
     table = next((one for one in reading.tables if one.kind == kind), None)

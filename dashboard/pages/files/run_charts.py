@@ -16,7 +16,7 @@ from railjoule.dashboard.charts.names import Box, Name, text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED, along
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.files.measured import energy_so_far
@@ -96,7 +96,7 @@ def draw_speeds(chart: RunLines, scene: RunsScene) -> None:
     speeds = run.recording.speed_ms * run.placement.scale / MS_PER_KMH
     lines = fill_all(chart, scene, scene.dots(run.recording.time_s, run.position_m, speeds))
     limits = limits_of(run.scenario)
-    chart.set_range(0, HEADROOM * max(float(limits[1].max()), ends_of(lines.values())[1]))
+    chart.set_range(0, HEADROOM * max(float(limits[1].max()), data_range(lines.values())[1]))
     # over time, a limit holds while the measured train is on its stretch
     modelled = run.modelled
     x = np.interp(limits[0], modelled.position_m, modelled.time_s) if scene.over_time else limits[0]

@@ -154,7 +154,7 @@ class RunsTab(LineTab):
             self.desk.pin_measured(self.run)
 
     def _pin_of_run(self) -> Pin | None:
-        return None if self.run is None else self.desk.pin_of(self.run.trajectory)
+        return None if self.run is None else self.desk.find_pin(self.run.trajectory)
 
     # ---- what it shows
 

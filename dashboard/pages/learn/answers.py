@@ -41,7 +41,7 @@ class Answer(NamedTuple):
     because: str
 
 
-def answer_of(lesson: Lesson, result: LessonResult) -> Answer:
+def find_answer(lesson: Lesson, result: LessonResult) -> Answer:
     """Return the answer to the question of a lesson."""
     first, second = result.runs.values()
     fields = {"later": words.number(off_m(first) - off_m(second), 0)}

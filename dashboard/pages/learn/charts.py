@@ -18,7 +18,7 @@ from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import AnyPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult
@@ -44,7 +44,7 @@ def draw_speeds(chart: RunLines, result: LessonResult, revealed: bool = True) ->
         del names["first"]
     runs = {line: result.runs[name] for line, name in names.items()}
     chart.axis.fit(max(run.position_m[-1] for run in runs.values()), roomy=False)
-    _, high = ends_of(chart.fill(runs).values())
+    _, high = data_range(chart.fill(runs).values())
     chart.set_range(0, HEADROOM * high)
     chart.cursor_data["sources"] = [chart.read(line, name) for line, name in names.items()]
 

@@ -20,7 +20,7 @@ from railjoule.dashboard.limits import LONGEST_NAME, MOST_STUDENTS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import lesson_css, parts_css
-from railjoule.dashboard.pages.learn.answers import answer_of
+from railjoule.dashboard.pages.learn.answers import find_answer
 from railjoule.dashboard.pages.learn.by_hand import best_run
 from railjoule.dashboard.pages.learn.classroom import Classroom, Student
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
@@ -127,7 +127,7 @@ class ClassView:
         page = self.page
         lesson = next(one for one in LESSONS if one.name == page.class_lesson)
         result = (page.lessons or {}).get(lesson.name)
-        answer = answer_of(lesson, result).number if result is not None and page.class_best else np.nan
+        answer = find_answer(lesson, result).number if result is not None and page.class_best else np.nan
         guesses = list_guesses(classroom, lesson, float(getattr(page, lesson.name)))
         chart = page.host.plots[CLASS_GUESSES.name]
         chart.show(partial(draw_histogram, chart, lesson, guesses, answer))

@@ -70,7 +70,7 @@ def read_drawing(text: str) -> tuple[int, ...]:
     return speeds
 
 
-def run_of(speeds_kmh: Sequence[int]) -> Trajectory:
+def drive_drawing(speeds_kmh: Sequence[int]) -> Trajectory:
     """Return the run below a drawing."""
     scenario, mesh = drawing_lesson()
     places = np.linspace(0.0, float(mesh.position_m[-1]), len(speeds_kmh))
@@ -85,14 +85,14 @@ def judge(text: str) -> Verdict:
     ScenarioError
         If the text is no drawing.
     """
-    run = run_of(read_drawing(text))
+    run = drive_drawing(read_drawing(text))
     best = solve(compared_scenario(run))
     return compare(("drawn", text), run, best, TARGET_S, tuple(stretches(run, best)))
 
 
 def opened(text: str) -> Scenario:
     """Return the scenario in which the best run beside a drawing is found; errors as `judge`."""
-    return compared_scenario(run_of(read_drawing(text)))
+    return compared_scenario(drive_drawing(read_drawing(text)))
 
 
 def compared_scenario(run: Trajectory) -> Scenario:

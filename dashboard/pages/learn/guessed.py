@@ -11,7 +11,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import lesson_css, parts_css
 from railjoule.dashboard.look.words import PHASE_WORDS
-from railjoule.dashboard.pages.learn.answers import Answer, answer_of, cells, compared_cells, energy_table
+from railjoule.dashboard.pages.learn.answers import Answer, cells, compared_cells, energy_table, find_answer
 from railjoule.dashboard.pages.learn.charts import FIGURES, PRICE, price_curves
 from railjoule.dashboard.pages.learn.compute import LessonResult
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
@@ -93,7 +93,7 @@ class GuessedLesson:
             return
         best, compared, *_ = result.runs
         runs = result.runs if guess is not None else {compared: result.runs[compared]} if lesson.compared else {}
-        self.outcome.object = "" if guess is None else guess_html(lesson, guess, answer_of(lesson, result))
+        self.outcome.object = "" if guess is None else guess_html(lesson, guess, find_answer(lesson, result))
         shown = cells(lesson, result) if guess is not None else compared_cells(lesson, result) if runs else ()
         self.figures.object = parts.figures(shown) if shown else ""
         self.along.visible = bool(lesson.bars and runs)

@@ -17,7 +17,7 @@ from railjoule.dashboard.pages.learn.charts import FIGURES
 from railjoule.dashboard.pages.learn.class_view import CLASS_GUESSES, CLASS_RUNS, ClassView
 from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Classroom, Watcher
 from railjoule.dashboard.pages.learn.compute import compute_lessons
-from railjoule.dashboard.pages.learn.drawing import POINTS, run_of
+from railjoule.dashboard.pages.learn.drawing import POINTS, drive_drawing
 from railjoule.dashboard.pages.learn.drawn import DRAWN_PLOTS, DrawSpeed
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
@@ -116,7 +116,7 @@ class Learn(Page):
 
     @work("sketch", into="sketched")
     def _drive_sketch(self) -> Request:
-        return self.sketch and (run_of, self.sketch)
+        return self.sketch and (drive_drawing, self.sketch)
 
     def hear(self, field: str, what: str, text: str) -> None:
         """Take what the browser reports of a lesson that is played."""

@@ -67,7 +67,7 @@ def read_sharing(text: str) -> tuple[str, tuple[int, ...]]:
 
 
 @cache
-def task_of(name: str) -> Task:
+def leg_task(name: str) -> Task:
     """Return the task of a line, whose travel time leaves SLACK_S over the shortest times."""
     wide = _scenario(name, 3600.0)
     stops = stop_nodes(prepare_task(wide))
@@ -75,9 +75,9 @@ def task_of(name: str) -> Task:
     return prepare_task(_scenario(name, shortest + SLACK_S + DWELL_S * (len(NAMES) - 2)))
 
 
-def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
+def shared_scenario(name: str, seconds: tuple[int, ...]) -> Scenario:
     """Return a line whose given timetable is a distribution."""
-    task = task_of(name)
+    task = leg_task(name)
     shortest = shortest_times_s(task, stop_nodes(task))
     running = [float(least) + more for least, more in zip(shortest, seconds, strict=True)]
     arrivals = [time + k * DWELL_S for k, time in enumerate(accumulate(running))][:-1]
@@ -86,13 +86,13 @@ def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
 
 def opened(text: str) -> Scenario:
     """Return a line whose timetable is a distribution; errors as `judge`."""
-    return scenario_of(*read_sharing(text))
+    return shared_scenario(*read_sharing(text))
 
 
 @cache
 def line_tables(name: str) -> dict[str, Any]:
     """Return a line as the browser takes it: each leg's energy and price at each whole second of slack."""
-    task = task_of(name)
+    task = leg_task(name)
     dwells = DWELL_S * (len(NAMES) - 2)
     tables = leg_tables(task, range(LEAST_S, MOST_S + 1))
     # what the train takes while it stands is the same however the seconds are shared
@@ -108,12 +108,12 @@ def line_tables(name: str) -> dict[str, Any]:
 @cache
 def best_line(name: str) -> WholeLine:
     """Return the optimum of a line."""
-    return shared_line(task_of(name), "optimum")
+    return shared_line(leg_task(name), "optimum")
 
 
 def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
     """Return the run of least energy under a sharing."""
-    return shared_line(prepare_task(scenario_of(name, seconds)), "given")
+    return shared_line(prepare_task(shared_scenario(name, seconds)), "given")
 
 
 def judge(text: str) -> Verdict:

@@ -20,7 +20,7 @@ from railjoule.dashboard.charts.names import text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.charts.track import (
     add_limits,
     add_neutral_sections,
@@ -98,7 +98,7 @@ def draw_speeds(chart: RunLines, runs: LineRuns, other: Sharing, width_px: float
 
 def draw_paths(chart: RunLines, runs: LineRuns, other: Sharing) -> None:
     """Draw when the train is where, as the graph of the timetable does."""
-    _, latest = ends_of(chart.fill(compared(runs, other)).values())
+    _, latest = data_range(chart.fill(compared(runs, other)).values())
     chart.set_range(0, 1.04 * latest)
     draw_stations(chart, stations(runs.best.legs))
 

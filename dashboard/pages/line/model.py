@@ -76,9 +76,9 @@ class StationModel(TypedParameters):
             "latest_arrival_s": self.latest_s,
         }
 
-    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+    def field_bounds(self, field: str) -> tuple[float | None, float | None]:
         """Return the least and the largest number that a field takes; neither end of a window passes the other."""
-        low, high = super().bounds_of(field)
+        low, high = super().field_bounds(field)
         if field == "earliest_s" and self.latest_s is not None:
             return low, self.latest_s
         if field == "latest_s" and self.earliest_s is not None:

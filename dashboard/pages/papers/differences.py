@@ -11,7 +11,7 @@ from bokeh.plotting import figure
 from railjoule.core.validation import Row, Validation
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.dress import add_zero, dress_single
-from railjoule.dashboard.charts.elements import dress_legends, figure_of
+from railjoule.dashboard.charts.elements import dress_legends, render_figure
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
@@ -93,7 +93,7 @@ def difference_figure(papers: Sequence[Validation], dark: bool) -> tuple[figure,
             legend_cols=len(names),
         )
 
-    f = figure_of(element)
+    f = render_figure(element)
     _dress(f, names, palette)
     return f, palette
 

@@ -93,7 +93,7 @@ def test_falling_and_rising_in_words_is_found_without_a_preset():
 
 def test_level_with_a_gradient_is_asked_about():
     table = table_of("from,to,gradient,type\n0,100,5,level\n")
-    assert told(table, "question") == ["a.csv: row 2 says 'level' and 5 per mille."]
+    assert told(table, "question") == ["a.csv: row 2 has 'level' and 5 per mille."]
 
 
 @pytest.mark.parametrize(
@@ -187,7 +187,7 @@ def test_places_in_falling_chainage_hold_downwards():
     """300 to 200 m rises by 3 towards 200 m, 200 to 0 m falls; where the value at 0 m ends, nobody says."""
     table = table_of("position,gradient\n300,3\n200,-1\n0,7\n")
     assert values(table) == [(0, 200, 1), (200, 300, -3)]
-    assert table.unused == ("a.csv: row 4, the last in falling chainage: no row says where it ends.",)
+    assert table.unused == ("a.csv: row 4, the last in falling chainage: no row has its end.",)
 
 
 def test_a_place_may_repeat_the_value_before_it():
@@ -409,7 +409,7 @@ def test_a_decimal_sign_in_doubt_is_told():
         (
             "a,b,c\n0,100,60\n",
             "limits",
-            "a.csv: no column says where each row begins; name it, as limits.from=COLUMN, of a, b, c.",
+            "a.csv: no column has the start of each row; name it, as limits.from=COLUMN, of a, b, c.",
         ),
         (
             "from,to,c\n0,1,60\n",
