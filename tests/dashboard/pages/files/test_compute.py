@@ -185,7 +185,7 @@ def test_a_train_does_not_wait_for_gradients(base: Scenario) -> None:
 def test_a_unit_that_is_not_understood_is_chosen_on_the_card() -> None:
     file = Brought(1, "g.csv", b"from_m,to_m,gradient (x)\n0,500,1.2\n")
     card = build_card(file)
-    assert card.failure == "g.csv: 'gradient (x)' says 'x', which is not understood; choose the unit."
+    assert card.failure == "g.csv: 'gradient (x)' contains 'x', which is not understood; choose the unit."
     choice = next(choice for choice in card.choices if choice.key == "value_unit")
     assert (choice.value, choice.options[:3]) == (
         "",
@@ -208,7 +208,7 @@ def test_a_code_page_is_chosen_on_the_card() -> None:
         "cp1251",
     )
     assert card.findings == ("Not UTF-8, and so read as Windows-1251.",)
-    assert build_card(file.with_choice("encoding", "cp1252")).failure.startswith("gradients.csv: no column says where")
+    assert build_card(file.with_choice("encoding", "cp1252")).failure.startswith("gradients.csv: no column has the start")
     # Polish in Latin-2 is in no code page that is looked for
     polish = "od;do;pochylenie \u015brednie (\u2030)\n0;500;3\n".replace("\u2030", "o/oo").encode("iso8859_2")
     file = Brought(1, "gradients.csv", polish)
