@@ -54,7 +54,7 @@ COLUMNS_CSS = """
 
 
 class PairTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
     second = param.Selector(default=NOTHING, objects=list(KINDS), doc="Changes of the second scenario.")
     second_from = param.String(default="", doc="Name of the second train or scenario, or the text of a scenario.")

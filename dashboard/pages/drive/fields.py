@@ -1,4 +1,4 @@
-"""The sidebar's part of Drive: what differs from the plan on the day."""
+"""The sidebar's part of Drive: differences of the actual conditions from the plan."""
 
 from functools import partial
 from typing import Any
@@ -16,7 +16,7 @@ from railjoule.dashboard.workbench import Workbench
 
 
 class ActualFields:
-    """The switch of the actual run, and all that differs from the plan; in sight on Drive only."""
+    """The switch of the actual run, and the fields of the actual conditions; visible only on Drive."""
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.day = state, state.day

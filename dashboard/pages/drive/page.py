@@ -63,7 +63,7 @@ from railjoule.dashboard.work.simple_advice import choose_simple, compute_simple
 from railjoule.dashboard.work.worker import PROOF_THREADS, SLOW_THREADS
 
 REST_MS = 300
-"""While a slider moves, each of its runs is gone before a proof could be of use."""
+"""While a slider moves, each run is replaced before a proof could be of use."""
 DAY = tuple(f"desk.day.{name}" for name in (*LOAD_AND_POSITION, *FOLLOWING))
 DAY_EVENTS = tuple(f"desk.day.{name}" for name in ("on", "events", "changed", "accepted_delay_s", "reaction"))
 SPEED = AxisPlot("speed", DriveSpeedChart, (250, 310, 220))
@@ -156,7 +156,7 @@ class Drive(Page):
         self.param.watch(self._remember, ["first_proof", "further_proof"])
 
     def take(self, scenario: Scenario) -> None:
-        """Move no instruction of another scenario."""
+        """Reset the moved instruction, as it belongs to another scenario."""
         self.param.update(moved_phase=NOTHING_MOVED, moved_to_m=None)
 
     def page_run(self) -> PageRun:
@@ -301,7 +301,7 @@ class Drive(Page):
             self.moved_to_m = float(np.interp(place, run.time_s, run.position_m)) if self.desk.over_time else place
 
     def _fill_later(self) -> None:
-        """Make what needs not be there when the page opens."""
+        """Make the parts that are not needed when the page opens."""
         self.mover_menu = menu(self, "moved_phase", "Move an instruction", {"None": NOTHING_MOVED}, **MOVER_MENU)
         self.moved_field = parts.stack(NumberField(self, "moved_to_m"), visible=False, **MOVER_MENU)
         self.pin_moved = pmui.Button(label="Pin the moved run", **SMALL, visible=False, on_click=self._pin_moved)
@@ -355,7 +355,7 @@ class Drive(Page):
 
     @shows("failure", "desk.failure", "desk.runs", "desk.day.on")
     def _show_failure(self) -> None:
-        """Show why there is no run as asked for, and offer what repairs it."""
+        """Show why the requested run does not exist, and offer a repair."""
         run, failure = self.desk.run, self.desk.failure
         shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
         if failure is None and self.desk.day.on and self.failure is not None:

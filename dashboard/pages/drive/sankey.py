@@ -146,7 +146,7 @@ class Drawing:
         return self.width - NAMES_PX
 
     def _place_knots(self) -> None:
-        """Put each knot as far down as the ribbons that leave before it need."""
+        """Place each node below the ribbons that leave before it."""
         top = TOP_PX
         for knot in KNOTS:
             self.tops[knot] = top
@@ -171,7 +171,7 @@ class Drawing:
         self.bottom = max(top, lowest, place if self.sources else 0.0)
 
     def svg(self, title: str) -> str:
-        """Return the SVG, with its numbers in words for those who listen."""
+        """Return the SVG, with its numbers in words for screen readers."""
         spoken = "; ".join(f"{link.source} to {link.target} {kwh(link.joules)}" for link in self.links)
         drawn = [*self._ribbons(), *(self._knot(knot) for knot in KNOTS if self._through(knot))]
         drawn += [self._end(link) for link in self.ends] + [self._source(link) for link in self.sources]

@@ -30,11 +30,11 @@ CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
 OPEN = '<span class="open">{}</span>'
 EQUAL = "The actual run equals the plan. Change load, position or add a stop."
 SAME_ENERGY = 1e-9
-"""Relatively: two ways to solve for the same plan."""
+"""Relative difference of energies within which two plans count as the same."""
 
 
 def belongs_to(actual: ActualRun, run: Trajectory) -> bool:
-    """Return whether an actual run is that of the scenario and the strategy of a run."""
+    """Return whether an actual run has the scenario and the strategy of a run."""
     return actual.planned.strategy == run.strategy and same_plan(actual.scenario, run.scenario)
 
 
@@ -184,7 +184,7 @@ def worth(
     trains_per_day: float,
     co2_kg_per_kwh: float,
 ) -> Markup:
-    """Return the saving of a year against a baseline, as HTML; for a run that is late, how late it is instead."""
+    """Return the saving of a year against a baseline, as HTML; for a late run, its delay instead."""
     if baseline is None:
         missing = "Pin a run first." if name.startswith("Pinned") else "Computing ..."
         return note_paragraphs([missing if refusal is None else f"{name}: {refusal}"])

@@ -213,7 +213,7 @@ def _tip(*pairs: tuple[str, str]) -> Markup:
 
 
 class HistogramChart(SelectingChart):
-    """How often the values of a column came out, in all runs and in the selected ones.
+    """Histogram of a column, over all runs and over the selected ones.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ class HistogramChart(SelectingChart):
         self.let_select(f)
 
     def draw(self, look: Look, name: str = "") -> None:
-        """Draw the histogram of a column, or that of the axis that it shares."""
+        """Draw the histogram of a column, or of the axis that it shares."""
         f = self.figure
         assert f is not None
         name = name or (look.asked.y if self.is_sideways else look.asked.x)

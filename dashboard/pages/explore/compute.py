@@ -72,7 +72,7 @@ class Raster:
 
 @dataclass(frozen=True, eq=False)
 class Histogram:
-    """How often values came out, in all and in the selected runs, and the values at `QUANTILES`."""
+    """Counts of values in all and in the selected runs, and the values at `QUANTILES`."""
 
     edges: FloatArray
     counts: IntArray

@@ -15,7 +15,7 @@ from railjoule.dashboard.work.worker import unexpected_error
 
 LOG = logging.getLogger(__name__)
 STEP_S, TABLE_EVERY_S = 0.5, 1.0
-"""How often the page gets the number of completed runs, and the table of them."""
+"""Intervals at which the page gets the number of completed runs, and their table [s]."""
 WAITS = "Another study runs on this server; this one begins after it."
 LOST = "A worker process ended unexpectedly; the runs done so far are kept. Resume goes on with the rest."
 State = Literal["none", "waiting", "running", "stopping", "stopped", "failed", "done"]

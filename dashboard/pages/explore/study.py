@@ -230,7 +230,7 @@ class Studies(Page):
         self.go_on()
 
     def _show_results(self, results: SweepFile, **more: Any) -> None:
-        """Show another study, in place of that before."""
+        """Show another study in place of the present one."""
         self._stop.set()
         self.sweep = results
         first: dict[str, Any] = {"asked": None, "table": None, "draws": None, "choice": {}, "listed": ROWS_AT_ONCE}

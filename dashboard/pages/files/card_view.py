@@ -1,4 +1,4 @@
-"""The card of a file as widgets: what the file is, what its columns mean with their units, and what is asked."""
+"""The card of a file as widgets: its kind, the meanings and units of its columns, and the questions."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -72,7 +72,7 @@ class FileCard:
         self.view = parts.stack(self.head, line, self.table, self.choices, self.questions, self.messages, css=CARD_CSS)
 
     def show(self, card: Card) -> None:
-        """Show what is known of a file."""
+        """Show the card of a file."""
         before, self._quiet = self._quiet, True
         with pn.io.hold():
             failure = parts.refusal(card.failure) if card.failure else ""

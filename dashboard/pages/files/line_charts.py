@@ -1,4 +1,4 @@
-"""The line that was read, before it is used: height, speed limits, curves; what its tables leave open is hatched."""
+"""Preview of the line that was read: height, speed limits, curves; gaps of its tables are hatched."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ from railjoule.dashboard.pages.files.compute import Reading
 Gap = tuple[float, float]
 """Its begin and end, from the start of the run [m]."""
 Sign = tuple[float, float, float, str]
-"""Begin and end of what it is about [m], the value at which it stands, and its text."""
+"""Begin and end of its stretch [m], the value at which it is written, and its text."""
 SIGN_PX, ROOM_PX = 11, 4
 ROOM_SHARE, LEAST_RELIEF_M = 0.3, 1.0
 SIDES = ("left", "right", "bottom", "top")

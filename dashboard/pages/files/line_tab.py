@@ -102,7 +102,7 @@ class LineTab(Page):
             self.desk.page = "Drive"
 
     def use(self, offer: Offer, time: str) -> None:
-        """Take an offer with the travel time that was typed, or say why not."""
+        """Take an offer with the typed travel time, or show the error."""
         # up to the tenth of a second that the page shows
         least = round(offer.shortest_s, 1)
         try:
@@ -129,7 +129,7 @@ class LineTab(Page):
             self.put(file.with_choice(key, value))
 
     def put(self, file: Brought) -> None:
-        """Put a file in the place of the one of its number."""
+        """Replace the file of the same number."""
         self.files = tuple(file if one.number == file.number else one for one in self.files)
 
     def remove(self, number: int) -> None:

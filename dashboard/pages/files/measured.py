@@ -156,7 +156,7 @@ def compute_measured(request: RunsRequest) -> Iterator[Measured]:
 
 
 def read_run(request: RunsRequest, file: RunFile, scenario: Scenario) -> ReadRun:
-    """Return a file on the line of a scenario, or why it cannot be laid there."""
+    """Return a file on the line of a scenario, or the reason against it."""
     meanings, doubts, assumed = settled(file, dict(request.answers), scenario.vehicle)
     asked = {doubt.header for doubt in doubts}
     used = {header: one for header, one in meanings.items() if one.quantity and header not in asked}
@@ -204,7 +204,7 @@ def _require_time(recording: Recording) -> None:
 
 
 def with_fit(measured: Measured, scenario: Scenario) -> Measured:
-    """Return the same with the train that fits its runs best, or why there is none."""
+    """Return the result with the train that fits its runs best, or the reason why there is none."""
     runs, coasting = measured.runs, measured.request.coasting_only
     if not runs:
         return measured

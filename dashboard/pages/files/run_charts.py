@@ -25,10 +25,10 @@ LINES: Mapping[str, Line] = {
     "modelled": Line("pinned", {"line_width": 1.8}),
     "optimal": Line("accent", {"line_width": 2.4}),
 }
-"""Colour and stroke of what is computed, in the order of drawing."""
+"""Colour and stroke of the computed lines, in the order of drawing."""
 NAME_TOKENS = {"measured": "ink", "modelled": "ink3", "optimal": "accent"}
 MOST_DOTS, NARROW_DOTS = 160, 50
-"""In usual and in narrow windows; more would touch one another, and look like a line that nobody measured."""
+"""Numbers of dots in wide and in narrow windows; more would touch and look like a line."""
 HEADROOM, SIGN_PX, SIGN_LIFT_PX = 1.16, 11, 2
 MEASURED = "measured"
 
@@ -64,7 +64,7 @@ class RunsScene:
         return max(float(along(self.over_time).values(run)[-1]) for run in self.lines.values())
 
     def dots(self, time_s: FloatArray, place_m: FloatArray, values: FloatArray) -> Curve:
-        """Return some of what was measured, over the axis."""
+        """Return some of the measured values, over the axis."""
         every = max(1, -(-len(values) // self.dot_count))
         # the last one too, at which the energy of the run is read
         chosen = np.unique(np.append(np.arange(0, len(values), every), len(values) - 1))
@@ -72,7 +72,7 @@ class RunsScene:
 
 
 def fill_all(chart: RunLines, scene: RunsScene, dots: Curve | None) -> dict[str, Curve]:
-    """Draw lines of what is computed and dots of what was measured; return all of them as lines."""
+    """Draw computed lines and measured dots; return all of them as lines."""
     lines = chart.fill(scene.lines, scene.over_time)
     if dots is None:
         chart.clear(MEASURED)

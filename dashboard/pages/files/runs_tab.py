@@ -1,4 +1,4 @@
-"""The tab of recorded runs: what one cost, what it could have cost, and which train fits all of them."""
+"""The tab of recorded runs: energy of a run, potential saving, and the train that fits all of them."""
 
 from typing import Any
 
@@ -146,7 +146,7 @@ class RunsTab(LineTab):
             self.open_on("Compare")
 
     def turn_pin(self, *_: Any) -> None:
-        """Pin the run, or let go of it."""
+        """Pin the run, or unpin it."""
         pin = self._pin_of_run()
         if pin is not None:
             self.desk.unpin(pin)
@@ -219,7 +219,7 @@ class RunsTab(LineTab):
             self._show_run(measured, self.run)
 
     def _show_columns(self, read: ReadRun) -> None:
-        """Show what the columns mean: all of them while something is asked or wrong, else in one line."""
+        """Show the meanings of the columns: all while there is a question or an error, else in one line."""
         opened = bool(read.doubts) or read.run is None
         self.card.view.visible = opened or self._unfolded
         self.change.visible = not opened

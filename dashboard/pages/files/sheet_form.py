@@ -1,4 +1,4 @@
-"""The form of a data sheet: its values make a train, and what it leaves open is assumed."""
+"""The form of a data sheet: its values make a train, and missing values are assumed."""
 
 import json
 import re
@@ -60,7 +60,7 @@ class SheetForm:
         self.view = pmui.Accordion((TITLE, content), **FOLD)
 
     def make(self, *_: Any) -> None:
-        """Bring the sheet as a file, or say at the fields or above the button why not."""
+        """Add the sheet as a file, or show errors at the fields or above the button."""
         values, is_refused = dict[str, Any](), False
         for name, field in self.fields.items():
             widget, text = self.widgets[name], str(self.widgets[name].value or "").strip()

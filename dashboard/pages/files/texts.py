@@ -70,7 +70,7 @@ SHOWN: Mapping[str, tuple[str, float, int]] = {
 
 
 def subtitle(measured: Measured) -> str:
-    """Return which run is shown."""
+    """Return the name of the shown run."""
     read = measured.shown
     count = len(read.file.cells.rows)
     rows = f"{words.number(count, 0)} row{'' if count == 1 else 's'}"
@@ -80,7 +80,7 @@ def subtitle(measured: Measured) -> str:
 
 
 def _part_words(run: MeasuredRun | None) -> str:
-    """Return on which part of its line a run lies, if not on all of it."""
+    """Return the part of its line that a run covers, if it is not all of it."""
     if run is None or run.placement.is_whole_line:
         return ""
     place = run.placement
@@ -145,7 +145,7 @@ def _power(run: MeasuredRun) -> Markup:
 
 
 def columns_line(read: ReadRun) -> str:
-    """Return how many columns are used."""
+    """Return the number of used columns."""
     asked = {doubt.header for doubt in read.doubts}
     used = [header for header, meaning in read.meanings.items() if meaning.quantity and header not in asked]
     return f"{len(used)} of {len(read.meanings)} columns used"
@@ -170,7 +170,7 @@ def where_block(measured: Measured) -> Markup:
 
 
 def fit_block(measured: Measured) -> Markup:
-    """Return the fit of a request, or what is known of it so far."""
+    """Return the fit of a request, or its present state."""
     runs = measured.runs
     minutes = sum(run.recording.duration_s for run in runs) / 60
     count = f"{len(runs)} run{'' if len(runs) == 1 else 's'}, {words.number(minutes, 1)} min" if runs else ""

@@ -1,4 +1,4 @@
-"""The part of the page with the class: its link and what has come to it, or for a student the name."""
+"""The part of the page with the class: its link and results, or for a student the name."""
 
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -134,7 +134,7 @@ class ClassView:
 
 
 def draw_histogram(chart: CurveChart, lesson: Lesson, guesses: list[float], answer: float) -> None:
-    """Draw how many guesses lie where, and the answer; NaN for none."""
+    """Draw the histogram of the guesses, and the answer; NaN for none."""
     edges, counts = histogram(guesses, lesson)
     ends = (0.0, float(max(counts.max() + 1, LEAST_HEIGHT)))
     chart.draw({"guesses": as_steps(edges, counts)}, {"answer": answer}, lesson.guess_ends, ends)

@@ -119,7 +119,7 @@ class GuessedLesson:
                 self.page.host.draw([plot], curves, x_ends=x_ends, y_ends=y_ends)
 
     def _explain(self, revealed: bool) -> None:
-        """Have the explanation on the page, or nothing of it: not only out of sight."""
+        """Add the explanation to the page, or remove it completely instead of hiding it."""
         lesson = self.lesson
         self.text.object = markup("<p>{}</p>", lesson.text) if revealed else ""
         tried = "<p class=try>Try: {}</p><details><summary>Answer</summary><p>{}</p></details>"
@@ -131,7 +131,7 @@ class GuessedLesson:
                 forget(chart)
 
     def _press(self, *_: Any) -> None:
-        """Take what stands in the field for the guess, or take the guess back."""
+        """Take the number of the field as the guess, or take the guess back."""
         lesson, page = self.lesson, self.page
         setattr(page, lesson.guess, getattr(page, lesson.draft) if getattr(page, lesson.guess) is None else None)
 
@@ -144,7 +144,7 @@ class GuessedLesson:
 
 
 def forget(chart: Chart) -> None:
-    """Empty all that a chart draws, on the page too."""
+    """Clear all data of a chart, on the page too."""
     chart.waiting = None
     for name, source in chart.sources.items():
         chart.put(name, **{column: [] for column in source.data})

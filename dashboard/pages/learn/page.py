@@ -208,7 +208,7 @@ class Learn(Page):
     # ---- what it shows
 
     def is_over_time(self, axis: str) -> bool:
-        """Return whether an axis is one of times: those of the lessons are of places."""
+        """Return that no axis is one of times: the axes of the lessons show positions."""
         return False
 
     def layout(self) -> Viewable:

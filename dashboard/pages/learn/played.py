@@ -76,7 +76,7 @@ class Played(Form):
         self.given = given
 
     def refuse(self) -> None:
-        """Let one go on after something that could not be judged."""
+        """Accept input again after a failed verdict."""
         self.refusals += 1
 
     def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:

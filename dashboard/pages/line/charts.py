@@ -97,7 +97,7 @@ def draw_speeds(chart: RunLines, runs: LineRuns, other: Sharing, width_px: float
 
 
 def draw_paths(chart: RunLines, runs: LineRuns, other: Sharing) -> None:
-    """Draw when the train is where, as the graph of the timetable does."""
+    """Draw time over position, as a train graph does."""
     _, latest = data_range(chart.fill(compared(runs, other)).values())
     chart.set_range(0, 1.04 * latest)
     draw_stations(chart, stations(runs.best.legs))

@@ -255,7 +255,7 @@ class WholeLines(Page):
     # ---- what it shows
 
     def is_over_time(self, axis: str) -> bool:
-        """Return that the figures lie over places."""
+        """Return that the figures are over positions."""
         return False
 
     def layout(self) -> Viewable:
@@ -326,7 +326,7 @@ class WholeLines(Page):
         self._show_texts(runs, other)
 
     def _show_choices(self, runs: LineRuns) -> None:
-        """Offer a given timetable to compare with where there is one, and to take over what is shown."""
+        """Offer the comparison with a given timetable if there is one, and the use of the shown times."""
         there = {word: name for word, name in OTHER_WORDS.items() if name in runs.runs}
         if self.others.options != there:
             self.others.options = there

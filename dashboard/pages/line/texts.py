@@ -82,7 +82,7 @@ def sharing_words(runs: LineRuns) -> list[str]:
 
 
 def missed_words(runs: LineRuns) -> list[str]:
-    """Return which windows of arrival the rules and the given timetable miss."""
+    """Return the arrival windows that the rules and the given timetable miss."""
     return [
         f"{SHARING_WORDS[sharing].capitalize()}: {sentence}"
         for sharing, sentences in runs.missed.items()

@@ -180,7 +180,7 @@ def compute_rivals(loop: LoopRun) -> LoopRivals:
 
 @dataclass(frozen=True, eq=False)
 class MachineMap:
-    """Efficiency of a machine over torque and speed, and where a run works in it."""
+    """Efficiency of a machine over torque and speed, with the operating points of a run."""
 
     run: FieldOrientedRun
     map: MotorMap

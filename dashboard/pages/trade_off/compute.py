@@ -155,7 +155,7 @@ MAP_SIZE = 80
 NARROW_MAP_S = ((1.2, 2.5), (15.0, 110.0))
 """Travel times of the map as multiples of the shortest time, and acceleration times [s], for real timetables."""
 WIDE_MAP_S = ((600.0, 5000.0), (10.0, 250.0))
-"""The same for Figure 6a of Ftorek 2025 [s]."""
+"""Travel and acceleration times of Figure 6a of Ftorek 2025 [s]."""
 
 
 def compute_trade_off(request: TradeOffRequest) -> TradeOff:

@@ -63,7 +63,7 @@ ENOC_TITLE = '<div class="block"><h2>ENOC: energy over travel and acceleration t
 
 
 class TradeOffPage(Page):
-    """The minimum energy over travel time, and what other strategies need."""
+    """The minimum energy over travel time, and the energies of other strategies."""
 
     page = "Trade-off"
     kept = ("wide_map", "copper_weight", "map_view")

@@ -177,7 +177,7 @@ DELAYS = histogram("late", "Delay at the stop, s", "Delay, s", words.delay)
 
 
 class ChanceTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
     probability_percent = TypedNumber("Probability, %", "%", default=100 * PROBABILITY, bounds=(1, 99.9))
     accepted_lateness_s = keyed(Disturbance, "accepted_delay_s", "Accepted lateness", "s", 1)

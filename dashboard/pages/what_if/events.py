@@ -49,7 +49,7 @@ NO_EVENT = 'No event yet. Click the speed chart or press "Add a stop".'
 
 
 class EventsTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
     as_driver = param.Boolean(
         default=False, doc="Whether the accepted delay follows the driver's smallest one, until it is set by hand."

@@ -53,7 +53,7 @@ HINT = f"Click a cell to see its run. {comparisons.MISSED}"
 
 
 class LoadTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
     both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
     known = param.Selector(

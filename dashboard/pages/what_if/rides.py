@@ -25,7 +25,7 @@ LINES: Mapping[str, Line] = {
 }
 """Colour and stroke of each ride by its name at the line and under the cursor, in the order of drawing."""
 NAME_TOKENS = {"undisturbed": "ink3"}
-"""In which colour a name is written, where that of its line is too pale."""
+"""Colours of names whose lines are too pale for text."""
 HEADROOM = 1.28
 """The upper end of the axis over the highest speed: the signs of the events stand between."""
 SAVED_OVER_S = 1.5
