@@ -55,7 +55,7 @@ class SheetForm:
         self.button = pmui.Button(
             label="Make train", variant="outlined", size="small", margin=(4, 0, 8, 0), on_click=self.make
         )
-        note = parts.html_pane(f"<p class=note>{ABOUT}</p>")
+        note = parts.html_pane(parts.note_paragraphs([ABOUT]))
         content = parts.stack(note, parts.stack(*self.widgets.values(), css=GRID_CSS), self.refused, self.button)
         self.view = pmui.Accordion((TITLE, content), **FOLD)
 
