@@ -57,10 +57,10 @@ class EventModel(TypedParameters):
     share_percent = TypedNumber("of nominal, %", "%", default=80.0, bounds=(0.0, 200.0))
     noticed_at_m = TypedNumber("noticed at, m", "m", default=70.0, **core_bounds(Event, "noticed_at_m"))
 
-    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+    def field_bounds(self, field: str) -> tuple[float | None, float | None]:
         """Return the bounds of a field for this kind of event."""
         own = BY_KIND.get((self.kind, field))
-        return super().bounds_of(field) if own is None else own["bounds"]
+        return super().field_bounds(field) if own is None else own["bounds"]
 
     def closed_ends(self, field: str) -> tuple[bool, bool]:
         """Return whether a field includes its bounds, for this kind of event."""

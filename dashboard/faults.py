@@ -12,7 +12,7 @@ from bokeh.document import Document
 from railjoule.dashboard.library_workarounds import session_document, thaw
 
 LOG = logging.getLogger(__name__)
-OURS = str(Path(__file__).parents[1])
+PACKAGE_FOLDER = str(Path(__file__).parents[1])
 MOST_KNOWN = 200
 """Different errors of one session that are logged: a message may hold a number that each move changes."""
 SENTENCE = "That did not work: a program error, which the server\u2019s log describes. Everything else still works."
@@ -32,7 +32,7 @@ class Faults:
         """Log an error with its traceback, unless the same one from the same line of railjoule is already logged."""
         frames = traceback.extract_tb(error.__traceback__)
         # a line of a library raises the errors of many lines of railjoule
-        last = [frame for frame in frames if frame.filename.startswith(OURS)][-1:] or frames[-1:]
+        last = [frame for frame in frames if frame.filename.startswith(PACKAGE_FOLDER)][-1:] or frames[-1:]
         known = (type(error), str(error), *((frame.filename, frame.lineno) for frame in last))
         if known not in self._known and len(self._known) < MOST_KNOWN:
             self._known.add(known)

@@ -94,7 +94,7 @@ def markdown() -> str:
     rows = "\n".join(f"| {limit.of} | {limit.library} | {limit.page} |" for limit in limits())
     return (
         "# Limits\n\n"
-        "What takes more is refused in a sentence that names the bound, before anything is computed. A page has\n"
+        "A larger request is refused in a sentence that names the bound, before anything is computed. A page has\n"
         "lower bounds, as all visitors of a server share its processors and its memory. `railjoule limits` prints\n"
         "this table, and the page Help shows it; `python -m railjoule.dashboard.limits` writes this file.\n\n"
         f"| of | library and terminal | page |\n| --- | ---: | ---: |\n{rows}\n"

@@ -14,7 +14,7 @@ from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
 from railjoule.dashboard.charts.axis import nice_range
-from railjoule.dashboard.charts.dress import add_zero, dress, style_of
+from railjoule.dashboard.charts.dress import add_zero, dress, line_style
 from railjoule.dashboard.charts.elements import dress_legends
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION, SPEED, Quantity
 from railjoule.dashboard.look.paint import Palette
@@ -38,7 +38,7 @@ def to_holoviews(run: Trajectory, *, dark: bool = False) -> hv.Layout:
     dark : bool
         Whether it wears the colours of the dark theme.
     """
-    name, line = strategy(run.strategy), {"color": Palette(dark).tokens[run.strategy], **style_of("optimal")}
+    name, line = strategy(run.strategy), {"color": Palette(dark).tokens[run.strategy], **line_style("optimal")}
     rows = [
         _curve(run, quantity, name).opts(backend="bokeh", **line, **_frame([run], quantity, HEIGHT_PX, dark))
         for quantity in (SPEED, ENERGY, EFFORT)
@@ -100,17 +100,19 @@ def _lines(runs: Iterable[Trajectory], palette: Palette) -> Iterator[dict[str, A
             yield {"color": palette.tokens[token], "line_dash": dash, "line_width": line_width(token)}
         else:
             seen.add(run.strategy)
-            yield {"color": palette.tokens[run.strategy], **style_of(run.strategy)}
+            yield {"color": palette.tokens[run.strategy], **line_style(run.strategy)}
 
 
 def _curve(run: Trajectory, quantity: Quantity, name: str) -> hv.Curve:
     """Return a quantity of a run over distance; one that is constant in each cell as steps."""
     axes = [hv.Dimension(one.name, label=one.words) for one in (POSITION, quantity)]
     curve = hv.Curve((POSITION.values(run), quantity.values(run)), *axes, label=name)
-    told = [(one.words, f"@{one.name}{{{0:.{one.digits}f}}}") for one in (POSITION, quantity)]
+    quantities = [(one.words, f"@{one.name}{{{0:.{one.digits}f}}}") for one in (POSITION, quantity)]
     # a node has the value of the cell before it
     steps = "steps-pre" if quantity.stepped else "linear"
-    return curve.opts(backend="bokeh", interpolation=steps, tools=["hover"], hover_tooltips=[("Run", "$label"), *told])
+    return curve.opts(
+        backend="bokeh", interpolation=steps, tools=["hover"], hover_tooltips=[("Run", "$label"), *quantities]
+    )
 
 
 def _frame(runs: Collection[Trajectory], quantity: Quantity, height_px: int, dark: bool) -> dict[str, Any]:

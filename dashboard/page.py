@@ -4,7 +4,7 @@
         page = "Speeds"
         kept = ("factor",)
         factor = keyed(SomeOptions, "factor", "Factor", digits=2)
-        table = result(Table, "What has been computed last.")
+        table = result(Table, "The latest result.")
 
         @work("scenario", "factor", into="table")
         def _table(self) -> Request:

@@ -50,7 +50,7 @@ PAGES = {
     ),
     "Compare": PageEntry("Strategies, pinned runs or two scenarios side by side", strategies="draw", shows_runs=True),
     "Trade-off": PageEntry("Energy against travel time", strategies="draw", shows_runs=True),
-    "What if": PageEntry("What do another load, unplanned events and chance cost?"),
+    "What if": PageEntry("Cost of another load, unplanned events and chance"),
     "Set speeds": PageEntry("Set speeds by section, compared with the optimum", group="Equipment", strategies=""),
     "Motor": PageEntry("The motors in closed-loop control", group="Equipment"),
     "Line": PageEntry("Running time supplement of a whole line, by leg", strategies=""),
@@ -58,7 +58,7 @@ PAGES = {
     "Learn": PageEntry("Why does coasting save energy, and when should a train coast?", has_sidebar=False),
     "Files": PageEntry("How do I use my own line, train or recorded runs?", "right", strategies=""),
     "Papers": PageEntry("Comparison with published results", "right", has_sidebar=False),
-    "Help": PageEntry("What do the words and numbers mean, and which keys are there?", "right", has_sidebar=False),
+    "Help": PageEntry("Meaning of the words and numbers, and list of the keys", "right", has_sidebar=False),
 }
 """In the order of the bar. A page is its entry here and its package in `railjoule.dashboard.pages`."""
 KEYED = tuple(name for name, entry in PAGES.items() if entry.place == "bar")[:9]

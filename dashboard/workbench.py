@@ -29,9 +29,9 @@ from railjoule.dashboard.state.pins import (
     KeptPin,
     Pin,
     make_pin,
+    make_recipe,
     measured_name,
     pin_name,
-    recipe_of,
     recipe_of_recording,
     same_run,
 )
@@ -154,7 +154,7 @@ class Workbench(Kept):
     @property
     def recipe(self) -> Recipe | None:
         """How the run whose numbers are shown comes about."""
-        return None if self.runs is None else recipe_of(self.scenario, self.runs.scenario, self.chosen_now)
+        return None if self.runs is None else make_recipe(self.scenario, self.runs.scenario, self.chosen_now)
 
     @property
     def pin_of_run(self) -> Pin | None:
@@ -173,14 +173,14 @@ class Workbench(Kept):
 
     def pin_simple(self, scenario: Scenario, simple: "SimpleRun") -> None:
         """Pin a run of simple advice for a scenario."""
-        if self.pin_of(simple.run) is None:
-            recipe = replace(recipe_of(self.scenario, scenario, "optimal"), simple=simple.changes_allowed)
+        if self.find_pin(simple.run) is None:
+            recipe = replace(make_recipe(self.scenario, scenario, "optimal"), simple=simple.changes_allowed)
             self._pin(simple.run, recipe, f"{pin_name(simple.run)}, {simple.changes} changes")
 
     def pin_moved(self, run: Trajectory, number: int, place_m: float) -> None:
         """Pin an optimum with a moved instruction, given by the index of its phase and its place [m]."""
-        if self.pin_of(run) is None:
-            recipe = replace(recipe_of(self.scenario, run.scenario, "optimal"), moved=f"{number}@{place_m:.6f}")
+        if self.find_pin(run) is None:
+            recipe = replace(make_recipe(self.scenario, run.scenario, "optimal"), moved=f"{number}@{place_m:.6f}")
             self._pin(run, recipe, f"Moved to {words.number(place_m, 0)} m, {pin_name(run)}"[:LONGEST_NAME])
 
     def turn_to(self, page: str, **values: Any) -> None:
@@ -191,7 +191,7 @@ class Workbench(Kept):
     def pin_measured(self, found: MeasuredRun) -> None:
         """Pin a measured run."""
         run = found.trajectory
-        if self.pin_of(run) is not None:
+        if self.find_pin(run) is not None:
             return
         recipe = recipe_of_recording(run)
         self.recorded[recipe.recording] = run
@@ -199,12 +199,12 @@ class Workbench(Kept):
 
     def pin_lesson(self, driven: Trajectory, commands: str, best: Trajectory, recipe: Recipe) -> None:
         """Pin a run of the lesson that is driven by hand, and the lesson's optimum, whose recipe is given."""
-        if self.pin_of(best) is None:
+        if self.find_pin(best) is None:
             self._pin(best, recipe)
-        if self.pin_of(driven) is None:
+        if self.find_pin(driven) is None:
             self._pin(driven, replace(recipe, driven=commands))
 
-    def pin_of(self, run: Trajectory) -> Pin | None:
+    def find_pin(self, run: Trajectory) -> Pin | None:
         """Return the pin of a run that is no strategy's, if it is pinned."""
         return next((pin for pin in self.pins if same_run(pin.trajectory, run)), None)
 

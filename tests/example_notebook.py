@@ -14,7 +14,7 @@ CELLS = (
 # Runs in a notebook
 
 `pip install '.[notebook]' jupyterlab` in a checkout of railjoule brings what this notebook needs. Run it to see its
-figures: what is kept here of each is its description alone.
+figures: this file contains only a description of each.
 """,
     """\
 import holoviews as hv
@@ -41,7 +41,7 @@ to_holoviews(run)
     """\
 ## Several runs
 
-What does more time save? A click on a name in the legend mutes its line.
+Energy saved by more time. A click on a name in the legend mutes its line.
 """,
     """\
 runs = {f"{time_s} s": solve(scenario.replace(**{"timetable.travel_time_s": time_s})) for time_s in (135, 150, 165)}

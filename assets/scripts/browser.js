@@ -12,7 +12,7 @@ const TYPED = "input:not([type=range], [type=checkbox], [type=radio], [type=butt
   "[contenteditable=''], [contenteditable=true], [role=textbox], [role=combobox], [role=listbox], [role=option], " +
   "[role=menuitem], [role=spinbutton]";
 
-// What the libraries leave without a name for screen readers.
+// Names for screen readers, for elements that the libraries leave without one.
 const name_parts = () => {
   for (const bar of deep("[role=progressbar]:not([aria-label])")) { bar.setAttribute("aria-label", "Progress"); }
   for (const region of deep(".main-content:not([tabindex])")) {
@@ -41,7 +41,7 @@ const watch_charts = (model, signal) => {
   const observer = new IntersectionObserver((entries) => {
     for (const {target, isIntersecting} of entries) {
       seen.set(target, isIntersecting);
-      // a page that was left is there at once when it returns
+      // a page that was left is there immediately when it returns
       if (isIntersecting || target.offsetHeight) { rest(target); }
     }
     const names = [...new Set([...seen].filter(([, is_seen]) => is_seen).map(([place]) => chart_of(place)))].sort();
@@ -61,7 +61,7 @@ export function render({model, view}) {
   const bare = new Set(model.entries.filter((entry) => entry.bare).map(({name}) => name));
   let asked = null, limit = 0;
 
-  // --- pages: one that was open before is there at once, and what has changed since comes with the server's answer
+  // --- pages: one that was open before is there immediately, and later changes come with the server's answer
 
   const scroller = () => deep(".main-content")[0], scrolled = new Map();
   const draw = () => {

@@ -1,8 +1,8 @@
-// The cursor through all charts of an axis: their captions tell the values beneath the mouse.
+// The cursor through all charts of an axis: their captions show the values below the mouse.
 
 import {written} from "./numbers.js";
 
-// where the mouse rests, on the range that the charts share: a callback is compiled anew when its charts change
+// where the mouse rests, on the range that the charts share: a callback is compiled again when its charts change
 const PLACE = Symbol.for("railjoule.place");
 
 // The value of a line at a place, NaN beyond its ends; a stepped line has that of the cell that ends there.
@@ -33,7 +33,7 @@ export const caption_at = (chart, sources, place) => {
   return `${chart.words}&ensp;&ensp;${where}${values.join("&ensp;&ensp;")}`;
 };
 
-// Called by the mouse, and by a tag of the range when the runs beneath a resting mouse have changed.
+// Called by the mouse, and by a tag of the range when the runs below a resting mouse have changed.
 // A caption's tag lists the sources and columns it reads: the arguments stay the same when runs come and go.
 export const follow = ({captions, sources, range}, event) => {
   if (event.event_name) { range[PLACE] = event.event_name === "mouseleave" ? null : event.x; }

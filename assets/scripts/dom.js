@@ -1,4 +1,4 @@
-// What all components need of the document.
+// Functions of the document that all components need.
 
 // An element with attributes; those that are null or false are left out, one that is true has no value.
 export const make = (tag, attributes = {}, ...children) => {
@@ -33,8 +33,8 @@ export const focused = () => {
 };
 
 const lives = new WeakMap();
-// A signal that lets go of all listeners of a component: when it is removed, or rendered again, of which the library
-// tells nothing.
+// A signal that removes all listeners of a component: when it is removed, or rendered again, which the library does
+// not report.
 export const life_of = (model) => {
   lives.get(model)?.abort();
   const life = new AbortController();
@@ -43,7 +43,7 @@ export const life_of = (model) => {
   return life.signal;
 };
 
-// Draws anew where one of these has changed, once for all that comes in a message. Not at the first of them: of changes
+// Draws again when one of these has changed, once for all changes of a message. Not at the first of them: of changes
 // that the server holds, a later value takes the place of an earlier one, so that no order among them can be relied on.
 export const redraw_on = (model, names, draw) => {
   let due = false;
@@ -55,7 +55,7 @@ export const redraw_on = (model, names, draw) => {
   for (const name of names) { model.on(name, soon); }
 };
 
-// Looks at each frame whether something holds, for a while: for what no observer tells, such as the library's views.
+// Looks at each frame whether something holds, for a while: for states without an observer, such as the library's views.
 export const until = (holds, within_ms) => new Promise((resolve) => {
   const end = performance.now() + within_ms;
   const look = () => {

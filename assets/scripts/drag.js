@@ -4,7 +4,7 @@ import {written} from "./numbers.js";
 
 const GRIP_PX = 16;
 const END_FIRST = 0.9; // where a level is about as near as an end, the end counts
-// what is held, on the figure: a callback is compiled anew when its arguments change, in the middle of a drag too
+// what is held, on the figure: a callback is compiled again when its arguments change, in the middle of a drag too
 const HELD = Symbol.for("railjoule.held");
 
 export const clipped = (value, low, high) => Math.min(Math.max(value, low), high);

@@ -8,7 +8,7 @@ const STILL_PX = 5; // who drags one way does not mean the little that a hand go
 
 const signed = (value) => (value > 0 ? "+" : "") + written(value, 1);
 
-// Where border k may be dragged to: between its neighbours, no steeper than allowed, within the figure.
+// Range of border k while it is dragged: between its neighbours, no steeper than allowed, within the figure.
 export const moved_border = ({x, y}, k, to, {shortest, steepest_permille, bottom, top}) => {
   const is_last = k === x.length - 1, steep = steepest_permille / 1000;
   const place = is_last || to.x === null ? x[k] : clipped(Math.round(to.x), x[k - 1] + shortest, x[k + 1] - shortest);

@@ -8,7 +8,7 @@ import {
 import {figure_on} from "./speed_figure.js";
 
 const RATES = [1, 4, 10];
-// a tab out of sight gets no frames: its clock stands still meanwhile
+// a tab out of sight gets no frames: its clock stands still in that time
 const LONGEST_FRAME_S = 0.1;
 const KEYS = {ArrowUp: POWER, ArrowRight: COAST, " ": COAST, ArrowDown: BRAKE};
 
@@ -52,7 +52,7 @@ const journey = (mesh) => {
   return {state, advance, now};
 };
 
-// Where a run is that is known by its times and speeds at the nodes.
+// Position of a run that is given by its times and speeds at the nodes.
 export const place_at = ({position}, {times, speeds}, time) => {
   const next = times.findIndex((one) => one > time);
   if (next < 1) { return {at: position.at(-1), speed: speeds.at(-1)}; }
@@ -66,7 +66,7 @@ export const place_at = ({position}, {times, speeds}, time) => {
 export function render({model}) {
   const signal = life_of(model), root = make("section", {class: "played drive-it", "aria-label": "Drive it"});
   const canvas = make("canvas", {role: "img", "aria-label": "Speed over distance, your commands and the track"});
-  const told = make("p", {role: "status"}), {element: clocks, one: clock, other: used} = dials("Clock", "Used so far"), note = frame_meter(root);
+  const status = make("p", {role: "status"}), {element: clocks, one: clock, other: used} = dials("Clock", "Used so far"), note = frame_meter(root);
   const {bars, show: show_bars} = energy_bars(), button = pressing(signal);
   let mesh = null, figure = null, trip = null, command = COAST, rate = 4, driving = false, watched = null;
   let verdict = null, ghost = null, tried = 0, last = 0, asked = false;
@@ -81,7 +81,7 @@ export function render({model}) {
     [POWER, "\u2191 Power", "\u2191"], [COAST, "Coast", "\u2192 or space"], [BRAKE, "\u2193 Brake", "\u2193"],
   ].map(([which, label, key]) => {
     const made = make("button", {type: "button", "aria-pressed": "false", disabled: true}, label, make("kbd", {"aria-hidden": "true"}, key));
-    // at once, not when the finger leaves; a click without a pointer is that of a keyboard or of a screen reader
+    // immediately, not when the finger leaves; a click without a pointer is that of a keyboard or of a screen reader
     made.addEventListener("pointerdown", () => give(which), {signal});
     made.addEventListener("click", (event) => { if (event.detail === 0) { give(which); } }, {signal});
     return made;
@@ -119,7 +119,7 @@ export function render({model}) {
   };
   const set_off = () => {
     driving = true;
-    told.textContent = watched ? "Your run again" : `Try ${tried + 1} of ${model.given.tries}: on the way`;
+    status.textContent = watched ? "Your run again" : `Try ${tried + 1} of ${model.given.tries}: on the way`;
     requestAnimationFrame((time) => { last = time; frame(time); });
   };
   const reset = () => {
@@ -132,7 +132,7 @@ export function render({model}) {
   const begin = () => {
     reset();
     command = COAST;
-    told.textContent = `Try ${tried + 1} of ${model.given.tries}: press Power to depart.` +
+    status.textContent = `Try ${tried + 1} of ${model.given.tries}: press Power to depart.` +
       (ghost ? " The blue train is the run to race." : "");
     press();
     picture();
@@ -146,7 +146,7 @@ export function render({model}) {
       return;
     }
     asked = true;
-    told.textContent = "Arrived: the best possible run is being computed.";
+    status.textContent = "Arrived: the best possible run is being computed.";
     model.send_msg({what: "done", text: written(trip.state.commands)});
   };
   const judge = () => {
@@ -154,7 +154,7 @@ export function render({model}) {
     ({verdict} = model);
     tried = verdict.tried;
     ghost = {times: verdict.best_s, speeds: verdict.best_ms};
-    told.textContent = `Arrived: try ${tried} of ${model.given.tries}.`;
+    status.textContent = `Arrived: try ${tried} of ${model.given.tries}.`;
     used.note.textContent = verdict.note;
     root.classList.remove("ready");
     result.show();
@@ -182,8 +182,8 @@ export function render({model}) {
   }, () => written(trip.state.commands));
 
   root.append(make("h2", {}, model.title), make("p", {}, model.text), make("div", {class: "drive"},
-    make("div", {class: "head"}, told, result.head), canvas,
-    make("div", {class: "account"}, make("h3", {}, "Where the energy is now, kWh"), bars),
+    make("div", {class: "head"}, status, result.head), canvas,
+    make("div", {class: "account"}, make("h3", {}, "Energy breakdown now, kWh"), bars),
     make("div", {class: "foot"},
       clocks, make("div", {class: "commands", role: "group", "aria-label": "Commands"}, ...commands)),
     make("div", {class: "row", role: "group", "aria-label": "Clock"}, make("span", {}, "Clock"), ...rates)), result.details);
@@ -207,7 +207,7 @@ export function render({model}) {
     begin();
   };
   const lead = () => { if (model.lead) { lead_to(model.lead); } };
-  told.textContent = "Opening";
+  status.textContent = "Opening";
   press();
   listen_to(model, {prepare, judge, refuse: () => { asked = false; begin(); }, asked: () => asked});
   redraw_on(model, ["lead"], lead);

@@ -1,4 +1,4 @@
-// What leaves the page: files to save, text for the clipboard.
+// Output of the page: files to save, text for the clipboard.
 
 const KEPT_MS = 60000; // a large file may be written that long
 

@@ -1,10 +1,10 @@
 // The field of a number: its label, a slider where it has ends, a text field, a mark where it is not the scenario's own,
-// and the sentence that says why a text was not taken.
+// and the sentence with the reason why a text was not taken.
 
 import {filled, life_of, make} from "./dom.js";
 import {written} from "./numbers.js";
 
-// a page redraws no faster; what the slider passes meanwhile is not sent
+// a page redraws no faster; positions of the slider in between are not sent
 const SEND_EVERY_MS = 50;
 // steps that an arrow key takes with the shift key held
 const LEAP = 10;

@@ -1,4 +1,4 @@
-// What the lessons that are played share: numbers in words, bars of energy, buttons, and the verdict of the server.
+// Parts that the played lessons share: numbers in words, bars of energy, buttons, and the verdict of the server.
 
 import {deep, make, redraw_on, until} from "./dom.js";
 
@@ -9,7 +9,7 @@ const PARTS = [
   ["motion", "Kinetic", "accent"], ["height", "Potential", "ink3"], ["resistance", "Resistance", "groundline"],
   ["losses", "Losses", "costbar"], ["returned", "Regenerated", "good"], ["drawn", "Drawn from the supply", "ink"],
 ];
-// What is rounded to zero has no sign.
+// A number that is rounded to zero has no sign.
 export const figures_of = (value, digits) => value.toFixed(digits).replace(/^-(?=0\.?0*$)/, "").replace("-", "\u2212");
 export const kwh_of = (joules) => figures_of(joules / J_PER_KWH, 2);
 export const clock_of = (seconds) => {

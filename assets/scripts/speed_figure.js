@@ -1,4 +1,4 @@
-// The figure of the lessons that are played: speed over distance on a canvas, drawn anew in each frame.
+// The figure of the lessons that are played: speed over distance on a canvas, drawn again in each frame.
 
 import {KMH_PER_MS, figures_of, with_sign} from "./played.js";
 
@@ -134,7 +134,7 @@ export const figure_on = (canvas, mesh, signal, again) => {
       line((i) => [x_of(at), x_of(at)][i], [20, floor], ink.line2, 1);
       dot(x_of(at), y_of(speed), 5, ink.ink);
       const turned = x_of(at) > right - 70;
-      // beneath the mark where the limit has its name
+      // below the mark where the limit has its name
       const cell = Math.max(position.findIndex((place) => place > at) - 1, 0);
       const y = y_of(speed) + (limit[cell] - speed < NEAR_LIMIT_MS ? 18 : -8);
       text(`${figures_of(speed * KMH_PER_MS, 1)} km/h`, x_of(at) + (turned ? -9 : 9), y, ink.ink, turned ? "right" : "left");

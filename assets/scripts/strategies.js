@@ -10,7 +10,7 @@ export function render({model}) {
   head.setAttribute("aria-hidden", "true");
   root.append(make("div", {class: "section"}, "Strategies"), head);
   const rows = new Map();
-  // What was pressed and the server has not confirmed: numbers of the run before may come first, and would undo it.
+  // Choices that the server has not confirmed: numbers of the run before may come first, and would undo them.
   const asked = {chosen: null, ticks: new Map()};
   const is_chosen = (name) => name === (asked.chosen ?? model.chosen);
   const is_ticked = (name) => asked.ticks.get(name) ?? model.ticked.includes(name);

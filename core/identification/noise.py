@@ -125,7 +125,7 @@ def estimated_noise(steps: Steps, train: Driven, residual_ms: FloatArray) -> Noi
 
     def unlikeliness(logarithms: FloatArray) -> float:
         clipped = np.clip(logarithms, LEAST, MOST)
-        noise = _noise_of(clipped)
+        noise = _to_noise(clipped)
         whitener = Whitener(steps, train, noise)
         white = whitener(residual_ms)
         outside = float(np.sum((logarithms - clipped) ** 2))
@@ -136,7 +136,7 @@ def estimated_noise(steps: Steps, train: Driven, residual_ms: FloatArray) -> Noi
     found = scipy.optimize.minimize(
         unlikeliness, first, method="Nelder-Mead", options={"maxfev": MAX_EVALUATIONS, "xatol": 0.02, "fatol": 0.01}
     )
-    return _noise_of(np.clip(found.x, LEAST, MOST))
+    return _to_noise(np.clip(found.x, LEAST, MOST))
 
 
 def expected_residual_ms(steps: Steps, train: Driven) -> float:
@@ -158,7 +158,7 @@ def expected_residual_ms(steps: Steps, train: Driven) -> float:
     return float(np.sqrt(np.mean(within + 2 * recorder)))
 
 
-def _noise_of(logarithms: FloatArray) -> Noise:
+def _to_noise(logarithms: FloatArray) -> Noise:
     share, push, worse = np.exp(logarithms)
     # never better than its steps
     return Noise(float(share), float(push), math.sqrt(1.0 + float(10 * worse) ** 2))

@@ -109,7 +109,7 @@ def usable_steps(runs: Sequence[MeasuredRun], scenario: Scenario, coasting_only:
         If a run has no efforts, or all runs too few usable steps.
     """
     line = scenario.line.in_running_order()
-    parts = [_steps_of(run, line, coasting_only) for run in runs]
+    parts = [_build_steps(run, line, coasting_only) for run in runs]
     columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in Steps.__dataclass_fields__}
     steps = Steps(**columns)
     if steps.count < FEWEST_STEPS:
@@ -121,7 +121,7 @@ def usable_steps(runs: Sequence[MeasuredRun], scenario: Scenario, coasting_only:
     return steps
 
 
-def _steps_of(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
+def _build_steps(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
     recording = run.recording
     by_power = recording.effort_n is None
     if by_power and (recording.power_w is None or recording.brake_applied is None):

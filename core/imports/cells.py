@@ -96,7 +96,7 @@ def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTe
     if sheet is not None:
         raise ScenarioError(f"{source.name}: sheet = {show(sheet)}, but the file is no workbook (.xlsx).")
     text, notes.findings = read_text(source)
-    separator = _separator_of(text, is_header)
+    separator = _find_separator(text, is_header)
     return _named_table(_csv_rows(source.name, text, separator), separator, notes, is_header)
 
 
@@ -111,7 +111,7 @@ def _checked_row(name: str, number: int, row: list[Cell]) -> Row:
     return number, tuple(row)
 
 
-def _separator_of(text: str, is_header: HeaderTest | None) -> str:
+def _find_separator(text: str, is_header: HeaderTest | None) -> str:
     """Find the separator of cells: the one that splits the names of the columns, or else most of the first rows."""
     beginning = [line for line in text.split("\n", LEADING_ROWS)[:LEADING_ROWS] if line.strip()]
     for line, separator in product(beginning, SEPARATORS):

@@ -65,10 +65,10 @@ def read_intervals(source: SourceFile, kind: IntervalKind, columns: ColumnMap | 
     wanted = columns or ColumnMap()
     cells = read_cells(source, wanted.sheet)
     with encoding_mentioned(cells.findings):
-        return _table_of(cells, kind, wanted)
+        return _read_table(cells, kind, wanted)
 
 
-def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> ImportedTable:
+def _read_table(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> ImportedTable:
     notes = Notes(cells.source, list(cells.findings), list(cells.unused))
     units = None
     if columns_of_strings := _string_columns(cells, wanted) if kind == "gradients" else []:

@@ -235,11 +235,11 @@ def _sections(length_m: float, placed: Mapping[str, Sequence[Interval]]) -> list
     limit, curvature = np.full(len(borders) - 1, np.inf), np.zeros(len(borders) - 1)
     for values, kind in ((gradient, "gradients"), (tunnel, "tunnels")):
         # the interval that begins last counts
-        for one, cells in _cells_of(borders, sorted(placed.get(kind, ()), key=lambda interval: interval.from_m)):
+        for one, cells in _covered_cells(borders, sorted(placed.get(kind, ()), key=lambda interval: interval.from_m)):
             values[cells] = one.value
-    for one, cells in _cells_of(borders, placed.get("limits", ())):
+    for one, cells in _covered_cells(borders, placed.get("limits", ())):
         np.minimum(limit[cells], one.value or np.inf, out=limit[cells])
-    for one, cells in _cells_of(borders, placed.get("curves", ())):
+    for one, cells in _covered_cells(borders, placed.get("curves", ())):
         if one.value:
             np.maximum(curvature[cells], 1 / one.value or np.inf, out=curvature[cells])
     values = np.column_stack([gradient, limit, curvature, tunnel])
@@ -271,7 +271,7 @@ def _stations(stations: Sequence[Mapping[str, Any]], begin: float, end: float, r
     return sorted(placed, key=lambda one: one["position_m"])
 
 
-def _cells_of(borders: FloatArray, intervals: Sequence[Interval]) -> list[tuple[Interval, slice]]:
+def _covered_cells(borders: FloatArray, intervals: Sequence[Interval]) -> list[tuple[Interval, slice]]:
     firsts = np.searchsorted(borders, [one.from_m for one in intervals])
     beyond = np.searchsorted(borders, [one.to_m for one in intervals])
     return [(one, slice(first, stop)) for one, first, stop in zip(intervals, firsts, beyond, strict=True)]

@@ -85,8 +85,8 @@ class Event(Part):
     """Something that is not in the timetable; by default the train learns of it at its start."""
 
     # None is the start: what is known by then can be planned for as a whole
-    noticed_at_m: Number | None = Field(None, ge=0, le=1e7, description="Where the train learns of it [m].")
-    noticed_at_s: Number | None = Field(None, ge=0, le=86400, description="When the train learns of it [s].")
+    noticed_at_m: Number | None = Field(None, ge=0, le=1e7, description="Position at which the train learns of it [m].")
+    noticed_at_s: Number | None = Field(None, ge=0, le=86400, description="Time at which the train learns of it [s].")
     reaction: Reaction = Field("computer", description="Reaction (computer: replanning; known: in advance).")
 
     ends_at: ClassVar[tuple[str, str] | None] = None
@@ -108,7 +108,7 @@ class Event(Part):
 class UnplannedStop(Event):
     """A stop that is not in the timetable."""
 
-    position_m: Number = Field(gt=0, le=1e7, description="Where the train must stop [m].")
+    position_m: Number = Field(gt=0, le=1e7, description="Position at which the train must stop [m].")
     duration_s: Number = Field(ge=0, le=86400, description="Duration of the stop [s].")
     # How far before is not checked here: whether it can still brake depends on its speed, and the simulation reports a
     # missed stop.

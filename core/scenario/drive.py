@@ -79,7 +79,7 @@ class DriveParameters(Part):
     """The key of a voltage that goes with that of the line and limits the effort."""
 
     @property
-    def knows_voltage(self) -> bool:
+    def has_voltage_limit(self) -> bool:
         """Whether the line voltage limits the effort of this kind of drive."""
         return self.voltage_key is not None
 

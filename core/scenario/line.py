@@ -44,8 +44,8 @@ class Section(Part):
 class Stretch(Part):
     """A piece of line between two places."""
 
-    from_m: Number = Field(ge=0, le=1e7, description="Where it begins for the front of the train [m].")
-    to_m: Number = Field(gt=0, le=1e7, description="Where it ends [m].")
+    from_m: Number = Field(ge=0, le=1e7, description="Begin, for the front of the train [m].")
+    to_m: Number = Field(gt=0, le=1e7, description="End [m].")
 
     @model_validator(mode="after")
     def _has_length(self) -> Self:
@@ -109,7 +109,7 @@ class Station(Part):
     """A planned stop."""
 
     name: Name = Field("", max_length=200, description="Name of the station.")
-    position_m: Number = Field(ge=0, le=1e7, description="Where the front of the train stops [m].")
+    position_m: Number = Field(ge=0, le=1e7, description="Position at which the front of the train stops [m].")
     dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s]; 0 at the ends of the line.")
     arrival_s: Number | None = Field(
         None, gt=0, le=86400, description="Arrival in a given timetable, from the start of the run [s]."
@@ -140,7 +140,7 @@ class PassingPoint(Part):
     """A place that the train passes at a given speed, as a signal or a junction may ask for."""
 
     name: Name = Field("", max_length=200, description="Name of the place.")
-    position_m: Number = Field(gt=0, le=1e7, description="Where the front of the train has the speed [m].")
+    position_m: Number = Field(gt=0, le=1e7, description="Position at which the front of the train has the speed [m].")
     # above 0: a train that stands there makes a stop, which is a station
     speed_kmh: Number = Field(gt=0, le=600, description="Speed of the train there [km/h].")
 
@@ -155,10 +155,10 @@ def _turned(stretch: AnyStretch, length_m: float) -> AnyStretch:
     return stretch.model_copy(update=ends)
 
 
-def _require_apart(key: str, points: Sequence[Station | PassingPoint]) -> None:
+def _require_distances(key: str, points: Sequence[Station | PassingPoint]) -> None:
     """Raise ValueError if positions do not rise by the shortest distance at least."""
     if any(later.position_m - earlier.position_m < SHORTEST_DISTANCE_M for earlier, later in pairwise(points)):
-        raise ValueError(f"{key} must have rising positions, at least {SHORTEST_DISTANCE_M:g} m apart")
+        raise ValueError(f"{key} must have rising positions with distances of at least {SHORTEST_DISTANCE_M:g} m")
 
 
 class Line(PresetPart):
@@ -173,13 +173,13 @@ class Line(PresetPart):
     sections: tuple[Section, ...] = Field(min_length=1, max_length=100_000)
     speed_limits: tuple[SpeedLimit, ...] = Field((), max_length=10_000)
     neutral_sections: tuple[NeutralSection, ...] = Field(
-        (), max_length=10_000, description="Where the drive neither pulls nor brakes, for want of traction power."
+        (), max_length=10_000, description="Stretches without traction power: the drive neither pulls nor brakes."
     )
     traction_limits: tuple[TractionLimit, ...] = Field(
-        (), max_length=1000, description="Where tractive effort, power, current or recuperation is limited."
+        (), max_length=1000, description="Stretches with limited tractive effort, power, current or recuperation."
     )
     rail_conditions: tuple[RailStretch, ...] = Field(
-        (), max_length=1000, description="Where the rail condition is another than `rail_condition`."
+        (), max_length=1000, description="Stretches whose rail condition differs from `rail_condition`."
     )
     stations: tuple[Station, ...] = Field((), max_length=1000)
     passing_points: tuple[PassingPoint, ...] = Field((), max_length=1000)
@@ -268,7 +268,7 @@ class Line(PresetPart):
             for index, one in enumerate(getattr(self, key)):
                 self._require_on_line(f"{key}[{index}].to_m", one.to_m)
         # two stations closer than a cell would share a node of the mesh, at which the train could stand only once
-        _require_apart("stations", self.stations)
+        _require_distances("stations", self.stations)
         for index, station in enumerate(self.stations[-1:], len(self.stations) - 1):
             self._require_on_line(f"stations[{index}].position_m", station.position_m)
         # a run lasts from the departure at one end of the line to the arrival at the other
@@ -294,7 +294,7 @@ class Line(PresetPart):
     def _require_passes_between_stops(self) -> None:
         length = self.length_m
         # each of them is a node of the mesh, at which a speed can be prescribed only once
-        _require_apart("passing_points", self.passing_points)
+        _require_distances("passing_points", self.passing_points)
         for index, point in enumerate(self.passing_points):
             key, place = f"passing_points[{index}].position_m", point.position_m
             if place > length - SHORTEST_DISTANCE_M:

@@ -185,7 +185,7 @@ class Scenario(Part):
         require_strategy(name)
         return name
 
-    # checks that need two tables stand here, as a table knows nothing of those beside it
+    # checks that need two tables stand here, as the model of a table has no access to the others
     @model_validator(mode="after")
     def _tables_fit_together(self) -> Self:
         length, vehicle = self.line.length_m, self.vehicle

@@ -16,7 +16,7 @@ KG_PER_T = 1000.0
 
 # standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
 MAX_LOAD_FACTOR = 3.0
-"""Of any vehicle: a capacity that counts seats alone, and standing passengers wherever there is room."""
+"""Maximum for all vehicles: the capacity may count only seats, and standing passengers come on top."""
 CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(ge=0, le=1e4)]]
 DecelerationStep = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(gt=0, le=20)]]
 
@@ -171,7 +171,8 @@ class Vehicle(PresetPart):
     length_m: Number | None = Field(None, gt=0, le=5000, description="Length of the train [m]; if empty, a point.")
     car_count: Count | None = Field(None, ge=1, le=200, description="Equal cars that share the weight.")
     gradient_at: Literal["whole_train", "front", "middle"] = Field(
-        "whole_train", description="Where the train takes gradient, curve and tunnel: under all of it, or at one point."
+        "whole_train",
+        description="Place where gradient, curve and tunnel act: under the whole train, or at one point.",
     )
     resistance: Resistance
     traction: Traction

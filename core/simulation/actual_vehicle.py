@@ -97,7 +97,7 @@ def _at_lower_speed(limits: Traction | Braking, factor: float) -> dict[str, Any]
 
 def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
     """Return in a sentence which efforts of a vehicle another line voltage leaves as they are, if there are any."""
-    if vehicle.drive.knows_voltage:
+    if vehicle.drive.has_voltage_limit:
         return ()
     traction, braking = vehicle.traction, vehicle.braking
     # what such a drive has instead of a voltage: a power or a curve that can be scaled

@@ -177,15 +177,15 @@ def timed_run(task: Task, part: Part, optimum: Solver, takes_exactly: bool) -> T
     if not takes_exactly:
         run = optimum(whole)
         return TimedRun(part, run, False, 0.0, run.price_of_time_w, run.bound)
-    alone = with_auxiliaries(whole, 0.0)
-    run = _in_time(alone, optimum)
-    early_s = alone.travel_time_s - run.travel_time_s
+    without_auxiliaries = with_auxiliaries(whole, 0.0)
+    run = _in_time(without_auxiliaries, optimum)
+    early_s = without_auxiliaries.travel_time_s - run.travel_time_s
     if early_s <= ON_TIME_S:
         return TimedRun(part, run, True, 0.0, run.price_of_time_w, run.bound)
     # only the first part of a line may begin in motion
     if task.mesh.data.fixed_speed2[_last_stop(task, part)] == 0.0:
         return TimedRun(part, run, True, early_s, 0.0, run.bound)
-    return _slowed(part, alone, run, optimum)
+    return _slowed(part, without_auxiliaries, run, optimum)
 
 
 def _last_stop(task: Task, part: Part) -> int:
@@ -193,20 +193,20 @@ def _last_stop(task: Task, part: Part) -> int:
     return max(node for node in stop_nodes(task) if node < part.last)
 
 
-def _slowed(part: Part, alone: Task, early: Trajectory, optimum: Solver) -> TimedRun:
+def _slowed(part: Part, without_auxiliaries: Task, early: Trajectory, optimum: Solver) -> TimedRun:
     """Return the run of a part that begins in motion and would be early: it has no stop to wait at, and runs slower.
 
     Its price of a second is negative. A constant that is paid for each second makes the price that the solver finds
     positive, and changes nothing else: all runs take the same time.
     """
-    max_j = alone.mesh.data.half_inertia_kg * float(alone.fastest_speed2.max())
+    max_j = without_auxiliaries.mesh.data.half_inertia_kg * float(without_auxiliaries.fastest_speed2.max())
     for factor in SLOWING_FACTORS:
-        reward_w = factor * max_j / alone.running_time_s
+        reward_w = factor * max_j / without_auxiliaries.running_time_s
         try:
-            run = _in_time(with_auxiliaries(alone, -reward_w), optimum)
+            run = _in_time(with_auxiliaries(without_auxiliaries, -reward_w), optimum)
         except RailjouleError:
             continue
-        if abs(alone.travel_time_s - run.travel_time_s) <= ON_TIME_S:
+        if abs(without_auxiliaries.travel_time_s - run.travel_time_s) <= ON_TIME_S:
             price = None if run.price_of_time_w is None else run.price_of_time_w - reward_w
             return TimedRun(part, run, True, 0.0, price, early.bound)
     # the window is missed, and the run's notes say so

@@ -23,7 +23,7 @@ LOAD_FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0)
 COORDINATE_ERRORS_M = (-25.0, -20.0, -10.0, 0.0, 10.0, 20.0, 25.0)
 """The values of the paper."""
 
-Knows = Literal["nothing", "load", "place", "both"]
+KnownFacts = Literal["nothing", "load", "place", "both"]
 """Facts that the train gets before its start, so that it replans in each cell."""
 RESULTS = 3
 """Energy, delay and stopping error."""
@@ -35,7 +35,7 @@ def sensitivity(
     load_factors: Sequence[float] = LOAD_FACTORS,
     coordinate_errors_m: Sequence[float] = COORDINATE_ERRORS_M,
     both_directions: bool = True,
-    knows: Knows = "nothing",
+    known: KnownFacts = "nothing",
     executor: Executor | None = None,
 ) -> StudyTable:
     """Return energy, overconsumption (12), delay and stopping error over load factor and coordinate error.
@@ -53,7 +53,7 @@ def sensitivity(
         Errors of the position [m].
     both_directions : bool
         Whether the line is driven there and back, as in (12).
-    knows : str
+    known : str
         Facts that the train gets before its start, so that it replans: load, place, both or nothing.
     executor : Executor, optional
         Executor of the runs; by default this thread.
@@ -66,7 +66,7 @@ def sensitivity(
     RailjouleError
         As in `railjoule.core.solve` for the plan.
     """
-    *_, last = sensitivity_steps(scenario, load_factors, coordinate_errors_m, both_directions, knows, executor)
+    *_, last = sensitivity_steps(scenario, load_factors, coordinate_errors_m, both_directions, known, executor)
     return last
 
 
@@ -75,7 +75,7 @@ def sensitivity_steps(
     load_factors: Sequence[float] = LOAD_FACTORS,
     coordinate_errors_m: Sequence[float] = COORDINATE_ERRORS_M,
     both_directions: bool = True,
-    knows: Knows = "nothing",
+    known: KnownFacts = "nothing",
     executor: Executor | None = None,
 ) -> Iterator[StudyTable]:
     """Yield the table of `sensitivity` empty, and again after each cell; arguments and errors as there."""
@@ -94,7 +94,7 @@ def sensitivity_steps(
         "planned_load_factor": scenario.vehicle.load_share,
         "planned_energy_kwh": planned_kwh,
         "both_directions": int(both_directions),
-        "knows": knows,
+        "known": known,
     }
     # in the order of the loads: all errors of a load share its plans, which cost more than the runs that follow them
     cells = np.array([(load, error) for load in load_factors for error in coordinate_errors_m]).reshape(-1, 2)
@@ -114,12 +114,14 @@ def sensitivity_steps(
         labels = {"load_factor": tuple(load_factors), "coordinate_error_m": tuple(coordinate_errors_m)}
         return StudyTable(scenario, labels, columns, attributes, len(results))
 
-    work = RowByRow(_cell_run(directions, plans, knows), 1 + RESULTS, ())
+    work = RowByRow(_cell_run(directions, plans, known), 1 + RESULTS, ())
     for rows in rows_in_order(work, cells, executor):
         yield table(rows.values)
 
 
-def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows) -> Callable[[Sequence[float]], Cell]:
+def _cell_run(
+    directions: list[Scenario], plans: list[Trajectory], known: KnownFacts
+) -> Callable[[Sequence[float]], Cell]:
     """Return a function that computes a cell from load and error.
 
     A cell has the energy of the plans for its load [kWh], energy [kWh], delay [s] and stopping error [m].
@@ -129,7 +131,7 @@ def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows)
     directions : list of Scenario
     plans : list of Trajectory
         For each direction, for the load of the scenario.
-    knows : str
+    known : str
     """
 
     # two threads may both plan for a load, with equal results
@@ -143,8 +145,8 @@ def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows)
         # (12) is over both directions: with one of them infeasible the sum would be that of half a journey
         complete = len(own) == len(directions)
         replanned = sum(plan.energy_kwh for plan in own) if complete else np.nan
-        followed = plans if knows in {"nothing", "place"} else own if complete else []
-        place_m = 0.0 if knows in {"place", "both"} else error_m
+        followed = plans if known in {"nothing", "place"} else own if complete else []
+        place_m = 0.0 if known in {"place", "both"} else error_m
         update = {"actual_load_factor": load, "actual_load_t": None, "coordinate_error_m": place_m}
         try:
             actual = [

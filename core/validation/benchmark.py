@@ -23,7 +23,7 @@ BUDGET_S = 0.3
 """Time over which one call is repeated [s]."""
 # odd, so that a median is one of the times; slow strategies are timed at least five times whatever the budget
 FEWEST_CALLS, MAX_CALLS = 5, 201
-ALONE, TEXTBOOK, TUNED = "only interior point", "IPOPT, textbook", "IPOPT, tuned"
+INTERIOR_POINT, TEXTBOOK, TUNED = "only interior point", "IPOPT, textbook", "IPOPT, tuned"
 """Names of the solvers that are no strategies."""
 
 
@@ -92,7 +92,7 @@ def _solvers(task: Task) -> Iterator[tuple[str, Callable[[], Any]]]:
     """Yield name and call of each solver of a task; IPOPT without building its problem."""
     for strategy in STRATEGIES:
         yield strategy, partial(run_strategy, task, strategy)
-    yield ALONE, partial(minimise, task)
+    yield INTERIOR_POINT, partial(minimise, task)
     # CasADi is no dependency: without it the table has no lines of IPOPT
     if is_installed() and is_known(task):
         yield TEXTBOOK, IpoptProblem(task, textbook=True).solve

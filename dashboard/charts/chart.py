@@ -114,9 +114,9 @@ class Chart:
         if self.figure is not None:
             self.figure.height = height
 
-    def wait(self, told: str = COMPUTING) -> None:
+    def wait(self, text: str = COMPUTING) -> None:
         """Show on the sketch whether the chart is being computed."""
-        self.host.css_classes = [*self._classes, UNDRAWN, *([COMPUTED] if told else [])]
+        self.host.css_classes = [*self._classes, UNDRAWN, *([COMPUTED] if text else [])]
 
     def show(self, draw: Callable[[], None]) -> None:
         """Draw the last request: immediately if the chart is in sight, else when the page has time for it."""

@@ -44,7 +44,7 @@ class DrawingQueue:
         self._charts: list[Chart] = []
         self._document: Document | None = None
         self._called = False
-        self._told = False
+        self._has_news = False
 
     def take(self, charts: tuple[Chart, ...]) -> None:
         """Lead these charts, in the order in which they stand on the page."""
@@ -57,7 +57,7 @@ class DrawingQueue:
         if not self._in_sight():
             return
         # reports on another page's charts do not apply to these
-        self._told = self._told or any(chart.name in names for chart in self._charts)
+        self._has_news = self._has_news or any(chart.name in names for chart in self._charts)
         for chart in self._charts:
             chart.visible = chart.name in names
         self.go_on()
@@ -95,7 +95,7 @@ class DrawingQueue:
         document = pn.state.curdoc or self._document
         for chart in self._waiting:
             with set_curdoc(document) if document is not None else nullcontext():
-                self._draw(chart, alone=True)
+                self._draw(chart, single=True)
             await asyncio.sleep(0)
 
     @property
@@ -104,7 +104,7 @@ class DrawingQueue:
 
     def _next_in_sight(self) -> Chart | None:
         """Return the first chart in sight that waits; before the browser has reported, one of the first on the page."""
-        if self._told:
+        if self._has_news:
             return next((chart for chart in self._waiting if chart.visible), None)
         drawn = sum(chart.is_drawn for chart in self._charts)
         return self._waiting[0] if self._waiting and drawn < AT_FIRST else None
@@ -119,10 +119,10 @@ class DrawingQueue:
         with set_curdoc(document) if document is not None else nullcontext():
             chart = self._next_in_sight() or self._next_out_of_sight() if self._in_sight() else None
             if chart is not None:
-                self._draw(chart, alone=True)
+                self._draw(chart, single=True)
             self.go_on()
 
-    def _draw(self, chart: Chart, alone: bool = False) -> None:
+    def _draw(self, chart: Chart, single: bool = False) -> None:
         # charts that are drawn together settle together, once: each column of their runs goes to the browser once
         # a chart that is new brings models with it: where they go is known, so that the document need not be searched
         with pn.io.hold() if chart.is_drawn else one_message():
@@ -132,5 +132,5 @@ class DrawingQueue:
             except Exception as error:
                 self.faults.note(error, f"the chart {chart.name!r} could not be drawn")
                 chart.fail()
-            if alone:
+            if single:
                 self._settle()

@@ -151,7 +151,7 @@ def text_style(size: int = 12) -> dict[str, object]:
     return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}
 
 
-def style_of(name: str) -> dict[str, object]:
+def line_style(name: str) -> dict[str, object]:
     """Return width and dash of a strategy's line, or of the pinned run's."""
     return {"line_width": line_width(name), "line_dash": DASHES[name]}
 
@@ -185,11 +185,11 @@ def empty_figure(
     """Return a figure with both axes; where the y axis has no title, the caption names it."""
     f = figure(height=height, x_range=x_range, y_range=y_range, tools="")
     f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
-    dress_alone(f, name, palette, ticks, digits)
+    dress_single(f, name, palette, ticks, digits)
     return f
 
 
-def dress_alone(
+def dress_single(
     f: figure, name: str, palette: Palette, ticks: int = 6, digits: int = 0, keeps_hover: bool = False
 ) -> None:
     """Give a figure its name, the look of a figure with axes of its own, and its toolbar.

@@ -10,7 +10,7 @@ from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.look import words
 
 BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
@@ -36,7 +36,7 @@ def both(following: Following) -> dict[str, Trajectory]:
 def draw_speeds(chart: RunLines, following: Following, name: str) -> None:
     """Draw both runs; `name` is the name of the driven run."""
     lines = chart.fill(both(following))
-    chart.set_range(0, HEADROOM * ends_of(lines.values())[1])
+    chart.set_range(0, HEADROOM * data_range(lines.values())[1])
     tokens = chart.palette.tokens
     names = [
         Name("planned", "planned", tokens["accent"], preferred=0.25),

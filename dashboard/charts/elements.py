@@ -19,7 +19,7 @@ from railjoule.dashboard.look.tokens import FONT
 _ONE_AT_A_TIME = threading.Lock()
 
 
-def figure_of(make: Callable[[], hv.core.ViewableElement | hv.Overlay]) -> figure:
+def render_figure(make: Callable[[], hv.core.ViewableElement | hv.Overlay]) -> figure:
     """Return the figure that an element becomes; the element is made here too, as its options are the process's."""
     with _ONE_AT_A_TIME:
         # Without a document of its own the renderer takes Bokeh's current one. That is no matter of the thread: it is

@@ -87,7 +87,7 @@ class DistanceChart(Chart):
             column(caption, f, sizing_mode="stretch_width", spacing=0), margin=0, sizing_mode="stretch_width"
         )
         # assets/scripts/cursor.js reads these by their names
-        self.told: dict[str, Any] = {
+        self.cursor_data: dict[str, Any] = {
             "caption": caption,
             "words": self.caption,
             "sources": [],
@@ -97,7 +97,7 @@ class DistanceChart(Chart):
             # below it the cursor writes one decimal more, as `words.energy` does
             "small": SMALL_ENERGY_KWH if self.unit == "kWh" else 0,
         }
-        self.axis.add(self.name, self.told)
+        self.axis.add(self.name, self.cursor_data)
         return f
 
     over_time = False
@@ -114,16 +114,16 @@ class DistanceChart(Chart):
 
     def set_cursor_sources(self, *names: str) -> None:
         """Let the cursor read the lines of these sources."""
-        self.told["sources"] = [[name, self.sources[name], "x", "y"] for name in names]
+        self.cursor_data["sources"] = [[name, self.sources[name], "x", "y"] for name in names]
 
     def follow_line(self, name: str) -> None:
         """Write the values of one line in the caption, at the place of the mouse."""
-        self.told["sources"] = [["", self.sources[name], "x", "y"]]
+        self.cursor_data["sources"] = [["", self.sources[name], "x", "y"]]
 
     def rename(self, caption: str) -> None:
         """Give the chart another caption; its `title` names the figure for screen readers."""
-        self.caption = self.told["words"] = caption
-        above = self.told["caption"]
+        self.caption = self.cursor_data["words"] = caption
+        above = self.cursor_data["caption"]
         if isinstance(above, Div) and above.text != caption:
             above.text = caption
 
@@ -144,7 +144,7 @@ class DistanceChart(Chart):
 
 def captioned(text: str, f: figure) -> pn.Column:
     """Return a figure under its caption."""
-    # 50 px, as `dress_alone` keeps left of the frame
+    # 50 px, as `dress_single` keeps left of the frame
     caption = parts.markup('<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>', text)
     return parts.stack(
         parts.html_pane(caption, css_classes=["rj-caption"]), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")

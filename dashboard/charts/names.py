@@ -114,7 +114,7 @@ def place_labels(
     boxes = list(taken)
 
     def place(k: int, candidates: FloatArray) -> None:
-        free = candidates[_clear_of(candidates, boxes)]
+        free = candidates[_clear_mask(candidates, boxes)]
         if len(free):
             left, bottom, right, top = free[0].tolist()
             result[k] = (left, bottom, right, top)
@@ -230,7 +230,7 @@ def _free(boxes: FloatArray, low: FloatArray, high: FloatArray, width_px: float,
     return boxes[free]
 
 
-def _clear_of(boxes: FloatArray, taken: Sequence[Box]) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+def _clear_mask(boxes: FloatArray, taken: Sequence[Box]) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
     """Return which boxes touch none of those taken."""
     clear = np.ones(len(boxes), dtype=np.bool_)
     for left, bottom, right, top in taken:
@@ -317,7 +317,7 @@ def rows_of(spans: Sequence[tuple[float, float]], gap_px: float = 6.0) -> list[i
     return result
 
 
-def clear_of(box: Box, taken: Sequence[Box], frame: Frame) -> bool:
+def is_clear(box: Box, taken: Sequence[Box], frame: Frame) -> bool:
     """Return whether a box lies within a frame and touches none of those taken."""
     left, bottom, right, top = box
     inside = left >= 0 and bottom >= 0 and right <= frame.width_px and top <= frame.height_px

@@ -14,7 +14,7 @@ from railjoule.dashboard.charts.axis import Axis, nice_range, xy
 from railjoule.dashboard.charts.chart import Chart, Layer, zero_line
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Heights, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Heights, RunPlot, data_range
 from railjoule.dashboard.charts.sketches import SketchKind
 from railjoule.dashboard.look.paint import Palette
 
@@ -187,7 +187,7 @@ class CurveChart(LoneChart):
         if not drawn:
             return
         x = x_ends or (min(float(x.min()) for x, _ in drawn.values()), max(float(x.max()) for x, _ in drawn.values()))
-        low, high = ends_of(drawn.values())
+        low, high = data_range(drawn.values())
         y = y_ends or nice_range(0.0 if self.plot.from_zero else low, high, self.plot.room)
         self.set_ranges(x, (0.0, y[1]) if self.plot.from_zero and y_ends is None else y)
         for name, place in (uprights or {}).items():

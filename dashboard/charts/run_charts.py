@@ -155,7 +155,7 @@ class LineStrip(SceneChart):
         self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], bottom, relief)
         texts = [words.signed(gradient, 0 if gradient == round(gradient) else 1) for gradient in gradients]
         room = np.diff(ends) / scene.end * scene.width_px
-        texts = [curve_words(*told) for told in zip(texts, radii, room, strict=True)]
+        texts = [curve_words(*one) for one in zip(texts, radii, room, strict=True)]
         fits = np.array([len(text) * WORD_PX + 6 < pixels for text, pixels in zip(texts, room, strict=True)])
         self.put(
             "signs",
@@ -304,14 +304,14 @@ class SupplyChart(RunChart):
     look: Mapping[str, Any] = {**IN_CELLS, "last": True}
 
     @staticmethod
-    def knows(run: Trajectory) -> bool:
+    def has_current(run: Trajectory) -> bool:
         """Return whether a run has a current to draw."""
         return run.current_a is not None or run.supply_current_a is not None
 
     def draw(self, scene: RunScene) -> None:
         """Draw the power where it is chosen or no current is known, else the current; the title names it."""
         run, at = scene.run, ""
-        if scene.with_power or not self.knows(run):
+        if scene.with_power or not self.has_current(run):
             self.quantity = POWER
         elif run.current_a is not None:
             self.quantity = MOTOR_CURRENT
@@ -320,7 +320,7 @@ class SupplyChart(RunChart):
         # all are drawn from one column
         self.quantity = replace(self.quantity, name=self.plot.quantity.name)
         self.unit, self.digits = self.quantity.unit, self.quantity.digits
-        self.told.update(unit=self.unit, digits=self.digits)
+        self.cursor_data.update(unit=self.unit, digits=self.digits)
         assert self.figure is not None
         self.figure.yaxis[0].formatter.args = {"digits": 1 if self.quantity.unit == POWER.unit else 0}
         self.rename(f"{self.quantity.words}{at}")

@@ -143,7 +143,7 @@ class RunLines(DistanceChart):
 
     def fit(self, curves: Mapping[str, Curve]) -> None:
         """Fit the axis to lines."""
-        self.set_range(*nice_range(*ends_of(curves.values()), self.plot.room))
+        self.set_range(*nice_range(*data_range(curves.values()), self.plot.room))
 
     def name_lines(
         self,
@@ -197,7 +197,7 @@ class RunLines(DistanceChart):
                 drawn[name] = curve
         order = list(runs)
         names = sorted(drawn, key=lambda name: order.index(self.lines[name].of or name))
-        self.told["sources"] = [self.read(name, name) for name in names]
+        self.cursor_data["sources"] = [self.read(name, name) for name in names]
         return drawn
 
     def read(self, name: str, word: str, *unit: Any, y: str = "") -> list[Any]:
@@ -228,7 +228,7 @@ class RunLines(DistanceChart):
             self.axis.columns(line.of or name).forget()
 
 
-def ends_of(curves: Collection[Curve]) -> tuple[float, float]:
+def data_range(curves: Collection[Curve]) -> tuple[float, float]:
     """Return the least and the greatest value of lines."""
     return min(float(y.min()) for _, y in curves), max(float(y.max()) for _, y in curves)
 
@@ -236,8 +236,8 @@ def ends_of(curves: Collection[Curve]) -> tuple[float, float]:
 def draw_in_row(chart: RunLines, runs: Mapping[str, Any], bands: Sequence[Ends] = ()) -> None:
     """Draw the runs that there are over time, their names in a row above them, and bands from time to time [s]."""
     drawn = chart.fill(runs, over_time=True)
-    chart.told["sources"] = [chart.read(word, word) for word in drawn]
-    low, high = ends_of([*drawn.values(), (np.zeros(1), np.zeros(1))])
+    chart.cursor_data["sources"] = [chart.read(word, word) for word in drawn]
+    low, high = data_range([*drawn.values(), (np.zeros(1), np.zeros(1))])
     bottom, top = nice_range(low, high)
     bottom = bottom if low < 0 else 0.0
     if any(drawn):

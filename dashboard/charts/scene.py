@@ -13,7 +13,7 @@ from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.charts.axis import Axis, columns
 from railjoule.dashboard.charts.chart import Chart, Layer
-from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.dress import line_style
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.quantities import Quantity, along
 from railjoule.dashboard.charts.run_lines import Curve, Line, RunLines, RunPlot
@@ -112,7 +112,7 @@ def draw_borders(chart: Chart, scene: RunScene) -> None:
     chart.put("borders", **columns(x=ends))
 
 
-STROKES: Mapping[str, Line] = {name: Line(name, style_of(name)) for name in (PINNED, *reversed(STRATEGIES), ACTUAL)}
+STROKES: Mapping[str, Line] = {name: Line(name, line_style(name)) for name in (PINNED, *reversed(STRATEGIES), ACTUAL)}
 """The pinned run below, the optimum above all other strategies, what was driven on top."""
 
 
@@ -169,8 +169,8 @@ class RunChart(RunLines, SceneChart):
             if name != "fastest" or self.with_fastest or scene.chosen == "fastest"
         }
         drawn = self.fill(named, scene.over_time)
-        told = {scene.chosen: "planned" if scene.actual else "", ACTUAL: "actual", PINNED: "pinned"}
-        self.told["sources"] = [self.read(name, word) for name, word in told.items() if name in named]
+        labels = {scene.chosen: "planned" if scene.actual else "", ACTUAL: "actual", PINNED: "pinned"}
+        self.cursor_data["sources"] = [self.read(name, word) for name, word in labels.items() if name in named]
         draw_borders(self, scene)
         return {name: drawn[name] for name in named}
 

@@ -115,17 +115,17 @@ class SpeedChart(RunChart):
         self.axis.columns(scene.chosen).take(run, {other.name: other.values(run)})
         gradients = np.array([section.gradient_permille for section in line.sections])
         self.put("gradient", **xy(*as_steps(scene.x_of_place(section_borders(line)), gradients)))
-        self.told["sources"] += [
+        self.cursor_data["sources"] += [
             self.read(scene.chosen, "", other.unit, other.digits, y=other.name),
             ["limit", self.sources["limit"], "x", "y", self.unit, 0],
             ["gradient", self.sources["gradient"], "x", "y", words.PER_MILLE, 1],
         ]
         if self._braking is not None:
-            self.told["sources"].append([BRAKING_WORDS, self.sources[BRAKING], "x", "y", self.unit, 0])
+            self.cursor_data["sources"].append([BRAKING_WORDS, self.sources[BRAKING], "x", "y", self.unit, 0])
         if fastest is not None and scene.chosen != "fastest":
             # its line may be hidden: it is not drawn before it is ticked
             self.axis.columns("fastest").take(fastest, {x.name: x.values(fastest), SPEED.name: self.values(fastest)})
-            self.told["sources"].append(self.read("fastest", "fastest"))
+            self.cursor_data["sources"].append(self.read("fastest", "fastest"))
 
     def _draw_limits(self, scene: RunScene) -> None:
         """Draw the limits, each with its number where there is room."""

@@ -54,7 +54,7 @@ def intervals(options: argparse.Namespace) -> None:
     )
     line = replace(line, unused=(*line.unused, *unread))
     if train:
-        _write_scenario(target, _scenario_of(line, train, options.travel_time_s))
+        _write_scenario(target, _build_scenario(line, train, options.travel_time_s))
         return
     files.write(target, line.to_csv() if as_table else line.to_toml())
     # a table of sections has no row for them
@@ -102,7 +102,7 @@ def _train(name: str) -> Mapping[str, Any]:
     return {key: document[key] for key in ("vehicle", "drive") if key in document}
 
 
-def _scenario_of(line: ImportedLine, train: Mapping[str, Any], travel_time_s: float | None) -> "ImportedScenario":
+def _build_scenario(line: ImportedLine, train: Mapping[str, Any], travel_time_s: float | None) -> "ImportedScenario":
     """Return the scenario of a train on an imported line, in a given time or in some time that it can keep."""
     from railjoule.core.imports.ttobench import ImportedScenario  # noqa: PLC0415
 
@@ -174,8 +174,8 @@ def railtoolkit(options: argparse.Namespace) -> None:
 
     imported = read_railtoolkit(SourceFile.read(options.file, options.encoding), options.train)
     files.write(options.output, imported.to_toml())
-    told = _line_words(imported.line) if isinstance(imported, ImportedLine) else _vehicle_words(imported.vehicle)
-    _tell(imported, options.output, told)
+    description = _line_words(imported.line) if isinstance(imported, ImportedLine) else _vehicle_words(imported.vehicle)
+    _tell(imported, options.output, description)
 
 
 def data_sheet(options: argparse.Namespace) -> None:

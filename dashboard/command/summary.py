@@ -14,7 +14,7 @@ from railjoule.core.measures import measure
 from railjoule.core.scenario.vehicle import KG_PER_T
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 from railjoule.dashboard.look import side_by_side, words
-from railjoule.dashboard.work.simple_advice import first_told
+from railjoule.dashboard.work.simple_advice import first_cheap_run
 
 if TYPE_CHECKING:
     from railjoule.core.simulation.actual_run import ActualRun
@@ -89,7 +89,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "solve_time_s": trajectory.solve_time_s,
         "iterations": trajectory.iterations,
         "phases": [_phase(phase) for phase in trajectory.phases],
-        "advice": [asdict(told) for told in trajectory.advice],
+        "advice": [asdict(instruction) for instruction in trajectory.advice],
         "arrivals": [
             dict(zip(("station", "position_m", "arrival_s"), arrival, strict=True))
             for arrival in trajectory.station_arrivals
@@ -269,7 +269,7 @@ def summarise_advice(advice: "SimpleAdvice", last: bool) -> Summary:
     last : bool
         Whether the orders are those of the run with the most changes, and not of the first that costs little.
     """
-    shown = advice.runs[-1] if last else first_told(advice)
+    shown = advice.runs[-1] if last else first_cheap_run(advice)
     return {
         "title": shown.run.scenario.title,
         "optimum_kwh": advice.optimum and advice.optimum.energy_kwh,
@@ -284,6 +284,6 @@ def summarise_advice(advice: "SimpleAdvice", last: bool) -> Summary:
         ],
         "refused": [{"changes": changes, "reason": reason} for changes, reason in advice.refused],
         "changes": shown.changes,
-        "advice": [asdict(told) for told in shown.run.advice],
+        "advice": [asdict(instruction) for instruction in shown.run.advice],
         "notes": list(shown.run.notes),
     }

@@ -65,14 +65,14 @@ def sweep(options: argparse.Namespace) -> None:
             _run(results, kept, options.scheduler)
             with failures_named(path):
                 write_rows(results, path)
-            told = summarise_sweep(results)
+            summary = summarise_sweep(results)
         except RailjouleError:
             # a file without rows would only be in the way of the next try
             if not results.done:
                 results.remove()
             raise
         results.remove()
-    show(options, told, lambda values: _text(path, values))
+    show(options, summary, lambda values: _text(path, values))
 
 
 def summarise_sweep(results: SweepFile) -> dict[str, Any]:
@@ -90,14 +90,15 @@ def summarise_sweep(results: SweepFile) -> dict[str, Any]:
 
 
 def _summarise_sensitivities(results: SweepFile) -> dict[str, Any] | None:
-    """Return Sobol' indices of the energy by field; None where the rows do not tell them."""
+    """Return Sobol' indices of the energy by field; None if the rows do not determine them."""
     try:
-        told = sensitivities(results)
+        indices = sensitivities(results)
     except SensitivityError:
         return None
     names = ("first", "total", "first_error", "total_error")
     return {
-        field: {name: float(getattr(told, name)[place]) for name in names} for place, field in enumerate(told.fields)
+        field: {name: float(getattr(indices, name)[place]) for name in names}
+        for place, field in enumerate(indices.fields)
     }
 
 

@@ -273,7 +273,7 @@ def tables_in(table: str, model: str = "") -> tuple[str, ...]:
     return tuple(f"{table}.{name}" for name, one in properties.items() if "properties" in _resolved(one))
 
 
-def models_of(table: str) -> tuple[str, ...]:
+def model_names(table: str) -> tuple[str, ...]:
     """Return the kinds of a table of many kinds, such as those of the drive."""
     return tuple(_table(table)["discriminator"]["mapping"])
 

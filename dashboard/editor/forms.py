@@ -36,7 +36,7 @@ class Form(JSComponent):
 class TableForm(Form):
     """A table whose cells are fields."""
 
-    table = param.Dict(default={}, doc="What it shows.")
+    table = param.Dict(default={}, doc="Content of the table.")
     version = param.Integer(default=0, doc="Counts what was sent: the browser redraws at each.")
 
     _esm = module("table_form")

@@ -10,7 +10,7 @@ import param
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.budget import PAGE
-from railjoule.dashboard.editor.fields_of import Field, Table, models_of, parts_of, tables_in
+from railjoule.dashboard.editor.fields_of import Field, Table, model_names, parts_of, tables_in
 from railjoule.dashboard.editor.rows import CellError, Row, changed_rows, drive_of_kind
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import words_of
@@ -39,7 +39,7 @@ DRIVE = Field(
     "drive",
     "choice",
     "A new kind starts with the values of a shipped vehicle that has it, or with assumed ones.",
-    choices=models_of("drive"),
+    choices=model_names("drive"),
 )
 WHOLE_TABLES = {"vehicle": ("vehicle", "drive"), "drive": ("drive",), "line": ("line",)}
 """Tables that one choice replaces as a whole, with those that go with them."""

@@ -19,7 +19,7 @@ from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link,
 from railjoule.dashboard.keep.snapshot import History, Snapshot, lay, originals_of, snapshot_of
 from railjoule.dashboard.library_workarounds import make_turns
 from railjoule.dashboard.limits import FILE_SUFFIXES, LARGEST_RUN_BYTES, STUDIES, large_study
-from railjoule.dashboard.state.draft import outcome_of
+from railjoule.dashboard.state.draft import try_opening
 from railjoule.dashboard.state.kept import Items, Kept
 from railjoule.dashboard.work.worker import SLOW_THREADS
 from railjoule.dashboard.workbench import Workbench
@@ -36,7 +36,7 @@ LONGEST_AT_ONCE = 50_000
 def read_ahead(toml: str | None) -> None:
     """Read a scenario into the cache of those that are opened."""
     if toml is not None:
-        outcome_of(toml)
+        try_opening(toml)
 
 
 def shown_name(name: str) -> str:
@@ -117,9 +117,9 @@ class Keeping(param.Parameterized):
         if read.snapshot:
             refusals = self._lay(read.snapshot)
             self.note()
-        told = " ".join(filter(None, [read.refusal, sentence(list(refusals))]))
-        if told:
-            self.tell(told)
+        message = " ".join(filter(None, [read.refusal, sentence(list(refusals))]))
+        if message:
+            self.tell(message)
 
     def open_file(self, name: str, text: str) -> None:
         """Take the scenario of a file that was dropped or chosen."""
@@ -180,7 +180,7 @@ class Keeping(param.Parameterized):
         else:
             reading = SLOW_THREADS.submit(read_ahead, found.get("toml"))
             turn = make_turns(document)
-            # `then` reads it once more, from the cache of `outcome_of`
+            # `then` reads it once more, from the cache of `try_opening`
             reading.add_done_callback(lambda _: turn(then))
 
     def _attempt(self, what: str, act: Callable[[], None]) -> None:

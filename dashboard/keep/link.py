@@ -71,7 +71,7 @@ LONGEST_QUERY = 1_500
 LONGEST_PLAIN = 200
 """A longer text is packed."""
 # values that a sentence lists where they cannot be opened
-MOST_TOLD = 3
+MAX_LISTED = 3
 PACKED, NOTHING, EMPTY = "~", "none", "[]"
 
 
@@ -169,8 +169,8 @@ def sentence(refusals: list[str]) -> str:
     """Return one sentence on what of a link was left out."""
     if not refusals:
         return ""
-    more = f" (and {len(refusals) - MOST_TOLD} more)" if len(refusals) > MOST_TOLD else ""
-    shown = "; ".join(refusals[:MOST_TOLD])
+    more = f" (and {len(refusals) - MAX_LISTED} more)" if len(refusals) > MAX_LISTED else ""
+    shown = "; ".join(refusals[:MAX_LISTED])
     return f"Parts of the link were ignored: {shown}{more}{'' if shown.endswith('?') and not more else '.'}"
 
 

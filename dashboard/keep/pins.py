@@ -80,7 +80,7 @@ class Pins:
         )
 
     def _take_failure(self, failure: RailjouleError) -> None:
-        self._refuse(f"What was pinned cannot be run again: {failure}")
+        self._refuse(f"The pinned runs cannot be computed again: {failure}")
 
     def _refuse(self, sentence: str) -> None:
         """Keep the pins that there are."""

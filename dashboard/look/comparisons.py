@@ -20,7 +20,7 @@ from railjoule.dashboard.look import words
 OTHER_TIME_S = 0.05
 """From this difference on, a time reads differently."""
 # shown with one decimal, a smaller one would read 0.0 m
-STOP_ERROR_TOLD_M = 0.05
+MIN_SHOWN_STOP_ERROR_M = 0.05
 """From this stopping error on, a run misses its stop."""
 MISSED = "Runs that say late, beyond or short need less energy, but arrive late or miss the stop: that saves nothing."
 """Meaning of the words of `extra_cell`."""
@@ -28,7 +28,7 @@ STANDS = "stands"
 """A cell of a run that does not reach the end."""
 WAITING = "more time saves nothing"
 # the least that a percentage of two decimals can tell
-LEAST_GAP_TOLD = 1e-4
+MIN_SHOWN_GAP = 1e-4
 """A gap reads as this at least, never as none."""
 
 
@@ -83,7 +83,7 @@ def misses(delay_s: float, stop_error_m: float) -> tuple[Amount, ...]:
     missed = []
     if delay_s >= OTHER_TIME_S:
         missed.append(Amount(words.time(delay_s), "s late"))
-    if abs(stop_error_m) >= STOP_ERROR_TOLD_M:
+    if abs(stop_error_m) >= MIN_SHOWN_STOP_ERROR_M:
         side = "beyond the stop" if stop_error_m > 0 else "short of the stop"
         missed.append(Amount(words.number(abs(stop_error_m)), f"m {side}"))
     return tuple(missed)
@@ -96,7 +96,7 @@ def is_false_saving(
     stop_error_m: float | FloatArray,
 ) -> Any:
     """Return whether a run needs less energy than another [kWh], but misses timetable or stop; of arrays an array."""
-    misses_stop = np.abs(stop_error_m) >= STOP_ERROR_TOLD_M
+    misses_stop = np.abs(stop_error_m) >= MIN_SHOWN_STOP_ERROR_M
     return (energy_kwh < reference_kwh) & ((delay_s >= OTHER_TIME_S) | misses_stop)
 
 
@@ -151,7 +151,7 @@ def late(travel_time_s: float, asked_s: float) -> str:
     return f"{words.time(more)} s late" if more >= OTHER_TIME_S else ""
 
 
-def late_of(run: Trajectory) -> str:
+def delay_words(run: Trajectory) -> str:
     """Return how late a run arrives by its timetable; empty where it is in time."""
     return late(run.travel_time_s, run.scenario.travel_time_s)
 
@@ -159,7 +159,7 @@ def late_of(run: Trajectory) -> str:
 def off_time(run: Trajectory) -> str:
     """Return how late or early a run arrives by its timetable; empty where it is in time, or the best known itself."""
     earlier = run.scenario.travel_time_s - run.travel_time_s
-    return f"{words.time(earlier)} s early" if earlier >= OTHER_TIME_S and not is_reference(run) else late_of(run)
+    return f"{words.time(earlier)} s early" if earlier >= OTHER_TIME_S and not is_reference(run) else delay_words(run)
 
 
 def in_time_asked(run: Trajectory) -> str:
@@ -192,8 +192,8 @@ def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -
     """
     if bound_kwh is None or gap is None:
         return None
-    if 0 < gap < LEAST_GAP_TOLD:
-        return Amount(words.share_difference(LEAST_GAP_TOLD), "%")
+    if 0 < gap < MIN_SHOWN_GAP:
+        return Amount(words.share_difference(MIN_SHOWN_GAP), "%")
     return above(energy_kwh, bound_kwh)
 
 
@@ -275,7 +275,7 @@ def time_asked(run: Trajectory) -> str:
     return f"timetable {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
 
 
-def waiting_of(run: Trajectory) -> str:
+def waiting_words(run: Trajectory) -> str:
     """Return why an optimum takes less time than asked, in four words; empty where it does not."""
     return WAITING if WAITING in other_time_of(run) else ""
 

@@ -23,7 +23,7 @@ QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
 """Keys of the file that have words of their own."""
 # what others tell: average speed and reserve as travel time, the presets by the names of their tables
 TIMES = tuple(f"timetable.{key}" for key in (*TIME_KEYS[1:], "reserve_parts"))
-NOT_TOLD = ("title", "strategy", *TIMES, "vehicle.preset", "line.preset")
+OMITTED_KEYS = ("title", "strategy", *TIMES, "vehicle.preset", "line.preset")
 
 
 def difference_words(scenario: Scenario, reference: Scenario) -> tuple[str, ...]:
@@ -37,8 +37,8 @@ def difference_words(scenario: Scenario, reference: Scenario) -> tuple[str, ...]
             sentences.append(f"{whole} {one} instead of {other}")
             skipped += (f"{whole}.",)
     keys = [key for key in {**QUANTITIES, **now, **before} if now.get(key) != before.get(key)]
-    told = [key for key in keys if key in QUANTITIES or not key.startswith((*skipped, *NOT_TOLD))]
-    sentences += [_sentence(key, now.get(key), before.get(key)) for key in told]
+    shown = [key for key in keys if key in QUANTITIES or not key.startswith((*skipped, *OMITTED_KEYS))]
+    sentences += [_sentence(key, now.get(key), before.get(key)) for key in shown]
     more = len(sentences) - MAX_SENTENCES
     if more > 0:
         sentences = [*sentences[:MAX_SENTENCES], f"and {more} more"]

@@ -58,7 +58,7 @@ def _by_label() -> dict[str, Term]:
     return {label: term for term in TERMS for label in (term.name, *term.labels)}
 
 
-def term_of(label: str) -> Term | None:
+def find_term(label: str) -> Term | None:
     """Return the entry that explains a label or a term, if there is one."""
     return _by_label().get(label)
 
@@ -70,7 +70,7 @@ def texts() -> dict[str, dict[str, str]]:
 
 def info(label: str) -> Markup:
     """Return the button that explains a label; nothing where the glossary does not know it."""
-    term = term_of(label)
+    term = find_term(label)
     if term is None:
         return Markup()
     return markup(

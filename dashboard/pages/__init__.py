@@ -1,1 +1,1 @@
-"""The pages, one room each: its state, its work, what it computes and what it shows."""
+"""The pages, one package each, with its state, background work, computation and views."""

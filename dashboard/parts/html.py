@@ -174,7 +174,7 @@ def off_time_figure(run: Trajectory) -> Markup:
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> Markup:
     """Return the price of a second: that of the run, or that of the optimum if its strategy has none."""
-    priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "That of the optimum")
+    priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "Value of the optimum")
     price = priced.price_of_time_w
     if price is None:
         return figure("Extra second saves", words.UNKNOWN, "", "")
@@ -185,7 +185,7 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> Markup:
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> Markup:
     """Return the numbers of Drive."""
     energy = run.energy
-    waiting = comparisons.waiting_of(run) and f": {comparisons.waiting_of(run)}"
+    waiting = comparisons.waiting_words(run) and f": {comparisons.waiting_words(run)}"
     main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.time(run.travel_time_s)} s{waiting}"
     slack = f"{words.time(run.travel_time_s - runs.shortest_time_s)} s of slack"
     mean = words.number(mean_speed_kmh(run))
@@ -330,7 +330,7 @@ def account(run: Trajectory) -> Markup:
     used = words.energy(sum(joules for _, joules in uses) / J_PER_KWH)
     closes = f"Total: {given} = {used} kWh." if gains else f"Total: {used} kWh."
     return markup(
-        "<div class=block><h2>Where the energy goes, kWh</h2><div class=flow>{}</div><p class=note>{}</p></div>",
+        "<div class=block><h2>Energy breakdown, kWh</h2><div class=flow>{}</div><p class=note>{}</p></div>",
         joined(rows),
         closes,
     )

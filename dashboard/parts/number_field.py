@@ -39,18 +39,18 @@ class NumberField(JSComponent):
     """
 
     label = param.String(default="", doc="Quantity and unit.")
-    of = param.String(default="", doc="What the number belongs to, for those who listen.")
+    of = param.String(default="", doc="Owner of the number, for screen readers.")
     unit = param.String(default="", doc="Unit in sentences.")
     digits = param.Integer(default=0, doc="Decimals, where nobody has typed more.")
     info = param.String(default="", doc="The button that explains the label, as HTML.")
     narrow = param.Boolean(default=False, doc="Whether it stands beside others.")
     value = param.Number(default=None, allow_None=True, doc="The model's number.")
-    suggested = param.Number(default=None, allow_None=True, doc="What holds as long as the model names none.")
+    suggested = param.Number(default=None, allow_None=True, doc="The number that applies if the model has none.")
     original = param.List(default=[], doc="The scenario's own number; nothing where none is known.")
-    start = param.Number(default=None, allow_None=True, doc="Where the slider begins.")
-    end = param.Number(default=None, allow_None=True, doc="Where it ends.")
+    start = param.Number(default=None, allow_None=True, doc="Lower end of the slider.")
+    end = param.Number(default=None, allow_None=True, doc="Upper end of the slider.")
     step = param.Number(default=None, allow_None=True, doc="Its step; None where there is no slider.")
-    tick = param.Number(default=None, allow_None=True, doc="What is marked on its rail: the planned value.")
+    tick = param.Number(default=None, allow_None=True, doc="The planned value, marked on its rail.")
     note = param.String(default="", doc="A warning about the number.")
     hint = param.String(default="", doc="A remark about the number.")
     refusal = param.String(default="", doc="Why the last text was not taken.")
@@ -98,7 +98,7 @@ class NumberField(JSComponent):
 
     def set_ends(self, ends: Ends) -> None:
         """Move the ends of the slider; a number beyond them is not cut off."""
-        # the model's own: where both change at once, this field may not have it yet
+        # the model's own: if both change together, this field may not have it yet
         number = getattr(self.model, self.field)
         self.param.update(**around(ends, self.suggested if number is None else number))
 

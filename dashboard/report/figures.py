@@ -13,7 +13,7 @@ from railjoule.core import Trajectory
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.dashboard.charts.axis import Axis, nice_range, points, same, xy
 from railjoule.dashboard.charts.chart import axis_line
-from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.dress import line_style
 from railjoule.dashboard.charts.driven import EFFORTS, SPEEDS
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import Name, placed_names
@@ -69,7 +69,7 @@ class TimeChart(DistanceChart):
     look: Mapping[str, Any] = {"digits": 1, "x_title": "Travel time, s"}
     layers = (
         axis_line,
-        methodcaller("line", "optimal", "optimal", **style_of("optimal")),
+        methodcaller("line", "optimal", "optimal", **line_style("optimal")),
         methodcaller("source", "runs", "x", "y", "colour"),
         methodcaller(
             *("glyphs", "scatter", "runs", "x", "y"), paint={}, size=7, fill_color="colour", line_color="colour"
@@ -163,7 +163,7 @@ class Figures:
         if section == "result":
             axis.fit(self._scene(None).end, roomy=True)
             kinds = [(SpeedChart, 270), (PhaseStrip, 26), (LineStrip, 104), (EnergyChart, 160), (EffortChart, 120)]
-            kinds += [(CurrentChart, 120)] if CurrentChart.knows(findings.run) else []
+            kinds += [(CurrentChart, 120)] if CurrentChart.has_current(findings.run) else []
             return [make(height, axis, self.palette) for make, height in [*kinds, (PowerChart, 150)]]
         assert reality is not None
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)

@@ -10,9 +10,9 @@ SECTION_TITLES: Mapping[str, str] = MappingProxyType(
         "pinned": "Pinned runs",
         "second": "Two scenarios side by side",
         "trade-off": "Energy and time",
-        "proof": "What is proven",
+        "proof": "Lower bound",
         "reality": "Actual run",
-        "robustness": "What a wrong load and a position error cost",
+        "robustness": "Cost of a wrong load and a position error",
         "scenario": "Scenario",
         "file": "About this file",
     }

@@ -162,7 +162,7 @@ def bound_sentences(findings: Findings) -> list[str]:
     more = comparisons.above_reference(run)
     if run is not best and run.reference is not None and more is not None:
         needs = f"{words.strategy(run.strategy)} needs {words.energy(run.energy_kwh)} kWh"
-        needed = ", is ".join(filter(None, [needs, comparisons.late_of(run)]))
+        needed = ", is ".join(filter(None, [needs, comparisons.delay_words(run)]))
         known = comparisons.reference_words(run.reference, run.scenario.travel_time_s)
         sentences.insert(1, f"{needed}, {more.sentence} the {known}.")
     return sentences

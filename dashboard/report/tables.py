@@ -37,7 +37,7 @@ class FieldRow(NamedTuple):
     meaning: str = ""
 
     @property
-    def says_more(self) -> bool:
+    def adds_to_name(self) -> bool:
         """Whether the meaning adds to the name."""
         return self.meaning.rstrip(".").lower() not in {"", self.quantity.lower()}
 

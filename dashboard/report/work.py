@@ -49,8 +49,8 @@ def file_name(title: str) -> str:
 
 def _note(recipe: Recipe) -> str:
     """Return the remark on a page whose numbers no scenario file gives."""
-    differs = recipe.untold and recipe.program.of_scenario
-    return f"{recipe.untold} The numbers of this report are those of its scenario." if differs else ""
+    differs = recipe.program_note and recipe.program.of_scenario
+    return f"{recipe.program_note} The numbers of this report are those of its scenario." if differs else ""
 
 
 class Reporting:

@@ -203,8 +203,8 @@ def download(state: Workbench, browser: Browser) -> None:
     try:
         recipe = page_recipe(state)
         browser.save(file_name(recipe.base.title), as_toml(recipe))
-        if recipe.program.of_scenario and recipe.untold:
-            state.notice = recipe.untold
+        if recipe.program.of_scenario and recipe.program_note:
+            state.notice = recipe.program_note
     except RailjouleError as refusal:
         state.notice = str(refusal)
 

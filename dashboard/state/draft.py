@@ -170,7 +170,7 @@ def open_scenario(text: str, name: str) -> Opened:
     RailjouleError
         If it cannot be read, is too large for a page, or no train can run it.
     """
-    outcome = outcome_of(text)
+    outcome = try_opening(text)
     if isinstance(outcome, Opened):
         return outcome
     raise type(outcome)(f"{name}: {str(outcome).removeprefix(f'{SOURCE}: ')}")
@@ -178,7 +178,7 @@ def open_scenario(text: str, name: str) -> Opened:
 
 # keyed only by the text, as `open_scenario` lays the file's name on; eight texts have at most 16 MB (LONGEST_TEXT)
 @lru_cache(maxsize=8)
-def outcome_of(text: str) -> Opened | RailjouleError:
+def try_opening(text: str) -> Opened | RailjouleError:
     """Return the scenario of a text or why there is none; long texts may be read here in a thread beforehand."""
     if len(text) > LONGEST_TEXT:
         return ScenarioError(f"{SOURCE}: more than the limit of {LONGEST_TEXT / 1e6:g} MB.")

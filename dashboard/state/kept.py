@@ -14,7 +14,7 @@ from railjoule.dashboard.limits import LONGEST_TEXT, MOST_ITEMS
 LARGEST_INTEGER = 2**53
 """Bound of whole numbers without bounds of their own."""
 # characters of a stranger's value in a sentence, and choices that a sentence lists
-LONGEST_SHOWN, MOST_TOLD = 40, 8
+LONGEST_SHOWN, MAX_LISTED = 40, 8
 
 
 class Kept(param.Parameterized):
@@ -49,7 +49,7 @@ class Kept(param.Parameterized):
         new = {field: value for field, value in values.items() if field not in now or now[field] != value}
         self.param.update(**{field: self._made(field, value) for field, value in new.items()})
 
-    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+    def field_bounds(self, field: str) -> tuple[float | None, float | None]:
         """Return the least and the largest number that a field takes; `open_end` is whether it takes these."""
         return getattr(self.param[field], "bounds", None) or (None, None)
 
@@ -59,7 +59,7 @@ class Kept(param.Parameterized):
 
     def open_end(self, field: str, number: float) -> str:
         """Return, as 'above 0', which end of a field a number is where the field takes all but that; else nothing."""
-        (low, high), closed = self.bounds_of(field), self.closed_ends(field)
+        (low, high), closed = self.field_bounds(field), self.closed_ends(field)
         if number == low and not closed[0]:
             return f"above {low:g}"
         return f"below {high:g}" if number == high and not closed[1] else ""
@@ -78,7 +78,7 @@ class Kept(param.Parameterized):
                 return None
             raise ValueError("must have a value")
         if isinstance(parameter, param.Number):
-            number = _number(value, self.bounds_of(field), isinstance(parameter, param.Integer))
+            number = _number(value, self.field_bounds(field), isinstance(parameter, param.Integer))
             if end := self.open_end(field, number):
                 raise ValueError(f"must be {end}")
             return number
@@ -167,7 +167,7 @@ def _choice(value: Any, objects: Any) -> Any:
 
 def _choices_words(value: Any, names: list[str]) -> str:
     """Return the end of a sentence about an unknown choice: it lists a few choices, and of many the most similar."""
-    if len(names) <= MOST_TOLD:
+    if len(names) <= MAX_LISTED:
         return f"must be one of {', '.join(names)}"
     # cut first, as a text of a link may have megabytes, which are compared letter by letter
     close = difflib.get_close_matches(str(value)[:LONGEST_SHOWN], names, n=1)

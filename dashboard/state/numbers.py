@@ -117,7 +117,7 @@ class TypedParameters(Kept):
         ValueError
             With a sentence that names the bound that it misses; of a time also the text and its forms.
         """
-        bounds = self.bounds_of(field)
+        bounds = self.field_bounds(field)
         # the names of fields end in their units: only times may be typed as on a clock
         if field.endswith("_s"):
             name = self.param[field].label.split(",")[0]

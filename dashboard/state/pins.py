@@ -123,11 +123,11 @@ def measured_name(run: Trajectory, has_energy: bool, file: str) -> str:
 
 def recipe_of_recording(run: Trajectory) -> Recipe:
     """Return how a measured run comes about: it cannot be computed, so the page holds it under a key of its own."""
-    told = f"{run.travel_time_s!r} {run.energy.net_j!r} {run.position_m.tobytes()!r} {run.speed_ms.tobytes()!r}"
-    return Recipe(None, None, {}, recording=hashlib.sha256(told.encode()).hexdigest()[:LONGEST_KEY])
+    text = f"{run.travel_time_s!r} {run.energy.net_j!r} {run.position_m.tobytes()!r} {run.speed_ms.tobytes()!r}"
+    return Recipe(None, None, {}, recording=hashlib.sha256(text.encode()).hexdigest()[:LONGEST_KEY])
 
 
-def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: str) -> Recipe:
+def make_recipe(model: ScenarioModel, scenario: Scenario, strategy: str) -> Recipe:
     """Return how a run over `scenario` comes about, from what the page edits where that is the same scenario."""
     if model.scenario() != scenario:
         # the page has moved on while the run was computed, or what it asks for cannot be run

@@ -57,13 +57,13 @@ class PageRun:
     program : Program
     changes : mapping
         Changes of the scenario, by the keys of the file.
-    untold : str
+    program_note : str
         A sentence on the part that no scenario file can hold; empty if one holds all.
     """
 
     program: Program
     changes: Mapping[str, Any] = field(default_factory=dict)
-    untold: str = ""
+    program_note: str = ""
 
 
 def simulation(name: str, module: str) -> Program:
@@ -99,7 +99,7 @@ class Recipe:
         Of an optimum with a moved instruction the phase and its place in metres, such as 5@1000; empty for all others.
     program : Program
         The Python and the command that give the number of the page.
-    untold : str
+    program_note : str
         A sentence on the part that no scenario file can hold; empty if one holds all.
     """
 
@@ -112,7 +112,7 @@ class Recipe:
     driven: str = ""
     moved: str = ""
     program: Program = SOLVE
-    untold: str = ""
+    program_note: str = ""
 
     @property
     def base(self) -> Scenario:
@@ -162,7 +162,7 @@ def as_command(recipe: Recipe) -> str:
     command = recipe.program.command
     if not command:
         # a name of a stranger's scenario must not end the comment: what follows it would be a command
-        return f"# No command line gives this: {' '.join(recipe.untold.split())}\n# The Python program does.\n"
+        return f"# No command line gives this: {' '.join(recipe.program_note.split())}\n# The Python program does.\n"
     if not recipe.program.of_scenario:
         return f"railjoule {command}\n"
     # TOML has no null, so that --set cannot take a key away: a file leaves it out
@@ -227,7 +227,9 @@ def page_recipe(state: "Workbench") -> Recipe:
     # named only where it differs, as all keys: without changes the command only names the scenario
     if changes.get("strategy") == scenario.base.strategy:
         del changes["strategy"]
-    return Recipe(scenario.preset, scenario.opened, changes, program=computed.program, untold=computed.untold)
+    return Recipe(
+        scenario.preset, scenario.opened, changes, program=computed.program, program_note=computed.program_note
+    )
 
 
 def about_numbers(state: "Workbench") -> str:

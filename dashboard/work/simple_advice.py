@@ -56,7 +56,7 @@ def by_changes(advice: "SimpleAdvice") -> "Mapping[int, SimpleRun]":
     return {run.changes: run for run in advice.runs}
 
 
-def first_told(advice: "SimpleAdvice") -> "SimpleRun":
+def first_cheap_run(advice: "SimpleAdvice") -> "SimpleRun":
     """Return the run with the fewest changes that costs little; the last one where none does."""
     runs = [*by_changes(advice).values()]
     return next((run for run in runs if _is_cheap(advice, run)), runs[-1])

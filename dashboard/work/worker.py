@@ -41,8 +41,8 @@ Request = TypeVar("Request")
 Result = TypeVar("Result")
 
 
-def told(error: BaseException) -> RailjouleError:
-    """Return an error that nobody foresaw as a sentence for the page; the log has its details."""
+def unexpected_error(error: BaseException) -> RailjouleError:
+    """Log an unexpected error, and return a sentence on it for the page."""
     LOG.error("a computation failed", exc_info=error)
     return RailjouleError(NO_MEMORY if isinstance(error, MemoryError) else UNKNOWN)
 
@@ -198,7 +198,7 @@ class Worker(Generic[Request, Result]):
             return error
         # a hostile scenario may cause these: without a page, there is no future that brings them to `_finish`
         except (MemoryError, RecursionError) as error:
-            return told(error)
+            return unexpected_error(error)
         finally:
             self.last_duration_s = time.perf_counter() - started
 
@@ -206,7 +206,7 @@ class Worker(Generic[Request, Result]):
         events.WAITS.settle(self)
         error = future.exception()
         self._late.answered(more=self._request is not None)
-        outcome = future.result() if error is None else told(error)
+        outcome = future.result() if error is None else unexpected_error(error)
         try:
             # still running: a newer request replaces the one that waits, which is older
             if about is self._about():
@@ -304,7 +304,7 @@ class Study(Generic[Request, Result]):
             result = error
         # all of them: nobody looks at the future of a study, so that what is raised here would be lost in silence
         except Exception as error:
-            result = told(error)
+            result = unexpected_error(error)
         if result is not None:
             job.offer(result, True, self._take)
 

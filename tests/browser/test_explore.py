@@ -142,7 +142,7 @@ def test_other_axes_are_drawn_and_a_point_has_its_run(user: User) -> None:
     )
     user.page.mouse.move(x - 3, y)
     user.page.mouse.move(x, y)
-    expect(user.page.locator(".told").get_by_text("Run:").first).to_be_visible()
+    expect(user.page.locator(".point-tip").get_by_text("Run:").first).to_be_visible()
     user.page.mouse.move(5, 5)
 
 

@@ -4,13 +4,13 @@ from playwright.sync_api import Locator, expect
 
 from browser.findings import assert_nothing_grave
 from browser.user import User, open_page
-from railjoule.dashboard.look.glossary import TERMS, term_of
+from railjoule.dashboard.look.glossary import TERMS, find_term
 from railjoule.dashboard.page_list import PAGES
 
 
 def sign(user: User, label: str) -> Locator:
     """Return the sign beside a term."""
-    term = term_of(label)
+    term = find_term(label)
     assert term is not None
     return user.page.locator(f'.info[data-term="{term.slug}"]:visible').first
 

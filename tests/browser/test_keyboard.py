@@ -79,7 +79,7 @@ def test_from_a_card_to_a_pinned_run_compared(server: Server, window: BrowserCon
         expect(energy).to_have_text(first)
         reach(page, "Compare", exact=True)
         page.keyboard.press("Enter")
-        expect(page.get_by_role("heading", level=1, name="Strategies and pinned runs")).to_be_visible()
+        expect(page.get_by_role("heading", level=1, name=re.compile("^Strategies, pinned runs"))).to_be_visible()
         expect(page.get_by_label("Name of pinned run 1")).to_be_visible()
         assert page.evaluate("window.stops_in_figures") == 0
     finally:

@@ -36,7 +36,7 @@ def test_a_link_leads_to_its_lesson_whose_control_can_be_pressed_at_once(
         expect(asked.get_by_text("What share of that energy", exact=False)).to_be_in_viewport()
         asked.get_by_role("button", name=GUESS).click()
         assert time.monotonic() - begun < FIRST_ACTION_S
-        # 36.6 %, as `answer_of` has it at 15 per mille
+        # 36.6 %, as `find_answer` has it at 15 per mille
         sentence = "34.6 points too low: the plan for level track wastes 6.23 kWh in the brakes"
         expect(asked.get_by_text(sentence, exact=False)).to_be_visible()
         expect(asked.get_by_text("36.6 %", exact=True)).to_be_visible()

@@ -35,7 +35,7 @@ def bring(user: User, *paths: Path) -> None:
 
 
 def test_the_example_tells_what_could_be_saved(user: User) -> None:
-    expect(user.page.get_by_text("CSV or XLSX with time and speed")).to_be_visible()
+    expect(user.page.get_by_text("The page finds where the run lies")).to_be_visible()
     press(user, "Try the example")
     saved = user.figure_value("Potential saving")
     # 9.26 kWh modelled, 7.61 the optimum: see test_work.py
@@ -43,8 +43,8 @@ def test_the_example_tells_what_could_be_saved(user: User) -> None:
     expect(user.page.get_by_text("proven for the modelled train").first).to_be_visible()
     for chart in CHARTS:
         expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
-    expect(user.page.get_by_text("B and C cannot be told apart from these runs")).to_be_visible()
-    expect(user.page.get_by_text("CSV or XLSX with time and speed")).to_be_hidden()
+    expect(user.page.get_by_text("B and C cannot be separated by these runs")).to_be_visible()
+    expect(user.page.get_by_text("The page finds where the run lies")).to_be_hidden()
 
 
 def test_a_question_about_a_unit_is_answered_by_a_press(user: User, tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     expect(user.question("Files")).to_be_visible()
     bring(user, *spreadsheets)
     for k, kind in enumerate(("Speed limits", "Gradients", "Curves")):
-        expect(menu(user, "What it is").nth(k)).to_have_value(kind)
+        expect(menu(user, "Kind of file").nth(k)).to_have_value(kind)
     several = page.get_by_text("its rows are of several NOM_VOIE: V1, V2; choose one.")
     expect(several).to_be_visible()
     # a metro would drive on level track

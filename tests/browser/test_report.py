@@ -93,7 +93,7 @@ def test_a_report_without_figures_opens_and_prints(chromium: Browser, tmp_path: 
     path = written(tmp_path, load_scenario("liashenko-0"), Contents(("proof", "robustness", "scenario")))
     context = chromium.new_context(offline=True)
     someone = Reader(context.new_page(), path)
-    expect(someone.page.get_by_role("region", name="What is proven")).to_be_visible()
+    expect(someone.page.get_by_role("region", name="Lower bound")).to_be_visible()
     assert someone.page.pdf().startswith(b"%PDF")
     assert someone.troubles == []
     context.close()

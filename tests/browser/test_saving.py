@@ -129,7 +129,7 @@ def test_the_form_of_a_report_is_used_by_keyboard(user: User, tmp_path: Path) ->
         box.press("Space")
     form.get_by_role("button", name="Make the report").press("Enter")
     expect(form.get_by_role("alert")).to_contain_text("a report has at least one of result, energy")
-    form.get_by_role("checkbox", name="What is proven").press("Space")
+    form.get_by_role("checkbox", name="Lower bound").press("Space")
     form.get_by_role("textbox", name="Author").fill("A. Author")
     form.get_by_role("textbox", name="Note").fill("x" * 2001)
     form.get_by_role("button", name="Make the report").press("Enter")

@@ -106,7 +106,7 @@ def test_cars_over_very_many_sections_are_refused_before_their_nodes_are_made():
     sections = [{"length_m": 1.0, "gradient_permille": index % 5} for index in range(20_000)]
     scenario = plain_scenario({"line.sections": sections, "vehicle.length_m": 300.0, "vehicle.car_count": 200})
     tracemalloc.start()
-    with pytest.raises(ScenarioError, match=r"railjoule takes at most 200,000, and sections, .* alone make 4,019,80"):
+    with pytest.raises(ScenarioError, match=r"railjoule takes at most 200,000, and sections, .* already make 4,019,80"):
         build_meshed_line(scenario)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()

@@ -129,13 +129,13 @@ ON_THE_PAGE = """
 import json
 from railjoule.core import load_scenario
 from railjoule.dashboard.look.theme import strategies_css
-from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.dress import line_style
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.shell.strategies import StrategyList
 from railjoule.dashboard.workbench import Workbench
 row = next(row for row in StrategyList(Workbench()).strategies if row["name"] == "slowed")
 print(json.dumps([row["label"], str(row["swatch"]), str(row["info"]), LIGHT["slowed"], DARK["slowed"],
-    style_of("slowed")["line_dash"], strategies_css()]))
+    line_style("slowed")["line_dash"], strategies_css()]))
 """
 
 

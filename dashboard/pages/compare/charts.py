@@ -11,10 +11,10 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.charts.axis import Axis, xy
-from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.dress import line_style
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, SPEED, along
-from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -28,7 +28,7 @@ HEADROOM = 1.12
 FASTEST = "fastest"
 LINES: Mapping[str, Line] = {
     **{key: Line(key, {"line_width": PIN_WIDTH_PX, "line_dash": dash}) for key, dash in PIN_DASHES.items()},
-    **{name: Line(name, style_of(name)) for name in reversed(STRATEGIES)},
+    **{name: Line(name, line_style(name)) for name in reversed(STRATEGIES)},
 }
 """Pins below strategies, the optimum on top."""
 
@@ -100,7 +100,7 @@ class ComparedChart(RunLines):
             drawn = [contender for contender in drawn if contender is not reference] or [reference]
         curves = self.fill({contender.key: contender.run for contender in drawn}, over_time)
         first = sorted(drawn, key=lambda contender: contender is not reference)[:MAX_READ]
-        self.told["sources"] = [self.read(contender.key, f"{contender.sign}:") for contender in first]
+        self.cursor_data["sources"] = [self.read(contender.key, f"{contender.sign}:") for contender in first]
         unnamed = self._fit_axis(curves, among[0].run)
         if self.plot.names == "along":
             self._name(curves, drawn, [contender.sign for contender in drawn], unnamed)
@@ -117,7 +117,7 @@ class ComparedChart(RunLines):
             self.fit(curves)
             return {"zero": (np.array([0.0, self.axis.end]), np.zeros(2))} if self.plot.is_difference else {}
         places, limits = limits_of(run.scenario)
-        self.set_range(0, HEADROOM * max(ends_of(curves.values())[1], float(np.max(limits))))
+        self.set_range(0, HEADROOM * max(data_range(curves.values())[1], float(np.max(limits))))
         if self._over_time:
             # each run passes a limit at a time of its own: the limits of one would be false for the others
             self.clear("limit")

@@ -10,7 +10,7 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.dashboard.charts.axis import xy
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POWER, SPEED, Quantity
-from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.pages.compare.charts import HEADROOM
 
@@ -28,7 +28,7 @@ def draw_speeds(chart: RunLines, runs: Mapping[str, Trajectory], over_time: bool
     curves = chart.fill(runs, over_time)
     borders = {name: limits_of(run.scenario) for name, run in runs.items()}
     # the same axis in both columns, whichever has the greater limits
-    most = max(ends_of(curves.values())[1], *(float(np.max(limits)) for _, limits in borders.values()))
+    most = max(data_range(curves.values())[1], *(float(np.max(limits)) for _, limits in borders.values()))
     chart.set_range(0, HEADROOM * most)
     if over_time:
         chart.clear("limit")

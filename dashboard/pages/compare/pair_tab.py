@@ -54,9 +54,9 @@ COLUMNS_CSS = """
 
 
 class PairTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
-    second = param.Selector(default=NOTHING, objects=list(KINDS), doc="What the second scenario has of its own.")
+    second = param.Selector(default=NOTHING, objects=list(KINDS), doc="Changes of the second scenario.")
     second_from = param.String(default="", doc="Name of the second train or scenario, or the text of a scenario.")
     second_time_s = keyed(Timetable, "travel_time_s", "Second travel time", "s", 1, default=100.0, step=0.5)
     pair = result(Pair, "The last runs of both scenarios.")

@@ -21,9 +21,9 @@ def answer(among: Sequence[Contender], reference: Contender, so_far: bool = Fals
     `so_far` means that further strategies are under way.
     """
     strategies = [contender for contender in among if not contender.is_pinned]
-    late = [f"{one.name} {comparisons.late_of(one.run)}" for one in strategies if comparisons.late_of(one.run)]
+    late = [f"{one.name} {comparisons.delay_words(one.run)}" for one in strategies if comparisons.delay_words(one.run)]
     on_time = sorted(
-        (one for one in strategies if not comparisons.late_of(one.run)), key=lambda one: one.run.energy_kwh
+        (one for one in strategies if not comparisons.delay_words(one.run)), key=lambda one: one.run.energy_kwh
     )
     if not on_time:
         return parts.Markup()
@@ -63,7 +63,7 @@ def _against(best: Contender, reference: Contender) -> str:
         return parts.PROVEN if best.run.is_proven else comparisons.reference_detail(best.run)
     amount = comparisons.above(best.run.energy_kwh, reference.run.energy_kwh)
     other = " of another scenario" if difference_words(best.run.scenario, reference.run.scenario) else ""
-    late = comparisons.late_of(reference.run)
+    late = comparisons.delay_words(reference.run)
     return f"{amount.sentence} {reference.name}{other}{f', {late}' if late else ''}"
 
 

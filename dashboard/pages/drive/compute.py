@@ -38,7 +38,7 @@ def compute_actual(request: ActualRequest) -> ActualRun:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """A request with its result, or with the reason why there is none: a refusal is an answer too."""
+    """A request with its result, or with the reason why there is none."""
 
     request: Any
     found: Any
@@ -55,7 +55,7 @@ def answer(compute: Callable[[Any], Any], request: Any) -> Answer:
 
 @dataclass(frozen=True)
 class Move:
-    """An optimum, the index of a phase, and the place where that is to begin [m]."""
+    """An optimum, the index of a phase, and the new position of its begin [m]."""
 
     run: Trajectory
     number: int

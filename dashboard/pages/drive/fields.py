@@ -1,4 +1,4 @@
-"""The sidebar's part of Drive: what differs from the plan on the day."""
+"""The sidebar's part of Drive: differences of the actual conditions from the plan."""
 
 from functools import partial
 from typing import Any
@@ -16,7 +16,7 @@ from railjoule.dashboard.workbench import Workbench
 
 
 class ActualFields:
-    """The switch of the actual run, and all that differs from the plan; in sight on Drive only."""
+    """The switch of the actual run, and the fields of the actual conditions; visible only on Drive."""
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.day = state, state.day
@@ -31,7 +31,7 @@ class ActualFields:
             label="+ stop", variant="text", size="small", margin=(0, 8), on_click=lambda _: day.add_stop()
         )
         reactions = {name: reaction for reaction, name in words.REACTION_WORDS.items()}
-        self.reaction = menu(day, "reaction", "Who reacts", reactions)
+        self.reaction = menu(day, "reaction", "Reaction", reactions)
         self.equal = pmui.Button(
             label="As planned", variant="text", size="small", margin=(0, 8), on_click=lambda _: day.as_planned()
         )

@@ -63,7 +63,7 @@ from railjoule.dashboard.work.simple_advice import choose_simple, compute_simple
 from railjoule.dashboard.work.worker import PROOF_THREADS, SLOW_THREADS
 
 REST_MS = 300
-"""While a slider moves, each of its runs is gone before a proof could be of use."""
+"""While a slider moves, each run is replaced before a proof could be of use."""
 DAY = tuple(f"desk.day.{name}" for name in (*LOAD_AND_POSITION, *FOLLOWING))
 DAY_EVENTS = tuple(f"desk.day.{name}" for name in ("on", "events", "changed", "accepted_delay_s", "reaction"))
 SPEED = AxisPlot("speed", DriveSpeedChart, (250, 310, 220))
@@ -156,7 +156,7 @@ class Drive(Page):
         self.param.watch(self._remember, ["first_proof", "further_proof"])
 
     def take(self, scenario: Scenario) -> None:
-        """Move no instruction of another scenario."""
+        """Reset the moved instruction, as it belongs to another scenario."""
         self.param.update(moved_phase=NOTHING_MOVED, moved_to_m=None)
 
     def page_run(self) -> PageRun:
@@ -301,7 +301,7 @@ class Drive(Page):
             self.moved_to_m = float(np.interp(place, run.time_s, run.position_m)) if self.desk.over_time else place
 
     def _fill_later(self) -> None:
-        """Make what needs not be there when the page opens."""
+        """Make the parts that are not needed when the page opens."""
         self.mover_menu = menu(self, "moved_phase", "Move an instruction", {"None": NOTHING_MOVED}, **MOVER_MENU)
         self.moved_field = parts.stack(NumberField(self, "moved_to_m"), visible=False, **MOVER_MENU)
         self.pin_moved = pmui.Button(label="Pin the moved run", **SMALL, visible=False, on_click=self._pin_moved)
@@ -309,7 +309,7 @@ class Drive(Page):
             row = self.mover_menu, self.moved_field, self.moved_text, self.pin_moved
             self.mover[:] = [pn.Row(*row, margin=0, stylesheets=[MOVER_CSS])]
         self._show_moved()
-        heading = parts.html_pane("<h2>What it is worth</h2>")
+        heading = parts.html_pane("<h2>Saving of a year</h2>")
         fields = [NumberField(self, name, margin=(0, -16)) for name in WORTH_FIELDS]
         with one_message():
             self.worth[:] = [
@@ -355,7 +355,7 @@ class Drive(Page):
 
     @shows("failure", "desk.failure", "desk.runs", "desk.day.on")
     def _show_failure(self) -> None:
-        """Show why there is no run as asked for, and offer what repairs it."""
+        """Show why the requested run does not exist, and offer a repair."""
         run, failure = self.desk.run, self.desk.failure
         shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
         if failure is None and self.desk.day.on and self.failure is not None:
@@ -417,7 +417,7 @@ class Drive(Page):
         )
         # narrow windows have no names at the ends of lines, for which the room would be
         host.axis.fit(scene.end, roomy=not narrow)
-        has_current, wide = SupplyChart.knows(run), window_px >= SANKEY_FROM_PX
+        has_current, wide = SupplyChart.has_current(run), window_px >= SANKEY_FROM_PX
         self.supply_buttons.visible, self.no_current.visible = has_current, not has_current
         # a picture has even steps: those over places would be uneven over time
         law = None if desk.over_time else runs.law
@@ -511,7 +511,7 @@ class Drive(Page):
         advised, sentence, simple = self._advised(run)
         note = parts.markup("{}{}", sentence, info("Simple advice")) if sentence else ""
         self.advice_pane.object = parts.advice(advised, stale=sentence == COMPUTING, note=note)
-        pinned = simple is not None and self.desk.pin_of(simple.run) is not None
+        pinned = simple is not None and self.desk.find_pin(simple.run) is not None
         self.pin.param.update(
             visible=simple is not None, disabled=pinned, label="Pinned" if pinned else "Pin this advice"
         )

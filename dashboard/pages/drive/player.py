@@ -34,7 +34,7 @@ input { flex: 1 1 140px; min-width: 100px; height: 24px; margin: 0; accent-color
 
 
 class Player(JSComponent):
-    """The bar; the browser asks for the run when somebody is about to play it."""
+    """The bar; the browser requests the run before it is played."""
 
     wanted = param.Boolean(default=False, doc="Whether the browser needs the columns of the run.")
     run = param.Dict(default={}, doc="The quantities over time, and when each instruction begins.")

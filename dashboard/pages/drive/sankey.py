@@ -1,4 +1,4 @@
-"""Energy as a Sankey diagram: from the line through the drive to the train, to its losses, and back."""
+"""Energy as a Sankey diagram: from the supply through the drive to the train, to its losses, and back."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,15 +16,15 @@ from railjoule.dashboard.parts import html as parts
 LINE, DRIVE, TRAIN, BRAKE = "Supply", "Powertrain", "Train", "Brake"
 BACK = "Recuperated"
 KNOTS = (LINE, DRIVE, TRAIN, BRAKE)
-"""What energy passes on its way; everything else is where it ends or comes from."""
+"""Intermediate nodes of the energy flow; all other nodes are sources or sinks."""
 SMALLEST_SHARE = 1e-4
-"""Flows below this share of what the line gives are not drawn."""
+"""Flows below this share of the energy from the supply are not drawn."""
 # TOP_PX has room for the two lines of text above the first knot, see `_knot`
 TALL_PX, KNOT_PX, GAP_PX, TOP_PX = 150.0, 9.0, 9.0, 34.0
 ROW_PX = 17.0
 WIDEST_PX, LEFT_PX, NAMES_PX, FONT_PX = 1100, 50.0, 210.0, 12
 KNOT_PLACES = (0.0, 0.27, 0.52, 0.76)
-"""Where the knots stand, as shares of the way to the names of the ends."""
+"""Horizontal positions of the nodes, as shares of the distance to the names of the sinks."""
 BEND_PX = 9.0
 
 
@@ -38,8 +38,8 @@ class Link:
     token: str
 
 
-def links_of(flow: EnergyFlow) -> tuple[Link, ...]:
-    """Return what flows where, from top to bottom; at each knot as much arrives as leaves."""
+def build_links(flow: EnergyFlow) -> tuple[Link, ...]:
+    """Return the flows between nodes, from top to bottom; inflow and outflow of each node are equal."""
     energy = flow.energy
     links = [
         Link(LINE, "Auxiliaries", energy.auxiliary_j, "groundline"),
@@ -87,12 +87,12 @@ class SankeyChart(Chart):
 
 
 def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> Markup:
-    """Return the diagram as HTML: a caption, an SVG with literal colours, and its numbers as a table for all who ask.
+    """Return the diagram as HTML: a caption, an SVG with literal colours, and its numbers in a folded table.
 
     Parameters
     ----------
     flow : EnergyFlow
-        What flows.
+        Energies of the run.
     tokens : Tokens
         The colours.
     width_px : float
@@ -100,7 +100,7 @@ def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> Mar
     title : str
         The caption.
     """
-    links = links_of(flow)
+    links = build_links(flow)
     svg = Drawing(links, tokens, width_px).svg(title)
     rows = [((link.source, link.target, kwh(link.joules)), False) for link in links]
     table = parts.plain_table(("From", "To", "kWh"), rows, title)
@@ -114,7 +114,7 @@ class Drawing:
     Parameters
     ----------
     links : sequence of Link
-        What flows where.
+        Flows between nodes.
     tokens : Tokens
         The colours.
     width_px : float
@@ -142,11 +142,11 @@ class Drawing:
 
     @property
     def end_x(self) -> float:
-        """Where the ribbons end and the names begin."""
+        """Horizontal position at which the ribbons end and the names begin [px]."""
         return self.width - NAMES_PX
 
     def _place_knots(self) -> None:
-        """Put each knot as far down as the ribbons that leave before it need."""
+        """Place each node below the ribbons that leave before it."""
         top = TOP_PX
         for knot in KNOTS:
             self.tops[knot] = top
@@ -171,7 +171,7 @@ class Drawing:
         self.bottom = max(top, lowest, place if self.sources else 0.0)
 
     def svg(self, title: str) -> str:
-        """Return the SVG, with its numbers in words for those who listen."""
+        """Return the SVG, with its numbers in words for screen readers."""
         spoken = "; ".join(f"{link.source} to {link.target} {kwh(link.joules)}" for link in self.links)
         drawn = [*self._ribbons(), *(self._knot(knot) for knot in KNOTS if self._through(knot))]
         drawn += [self._end(link) for link in self.ends] + [self._source(link) for link in self.sources]
@@ -201,7 +201,7 @@ class Drawing:
         ribbons = []
         for link in self.links:
             height = self.px_per_j * link.joules
-            # it leads back beneath all others, see `_back`
+            # it leads back below all others, see `_back`
             if link.target == BACK:
                 continue
             if link.source in KNOTS:
@@ -247,7 +247,7 @@ class Drawing:
         return markup(template, f"{x:.1f}", f"{y:.1f}", anchor, weight, text)
 
     def _back(self, link: Link) -> Markup:
-        """Return the ribbon that leads back beneath everything, with its arrow at the line."""
+        """Return the ribbon that leads back below all others, with its arrow at the supply."""
         thick = max(self.px_per_j * link.joules, 1.5)
         radius = 0.5 * thick + BEND_PX
         given = sum(other.joules for other in self.links if other.source == BRAKE and other is not link)

@@ -30,11 +30,11 @@ CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
 OPEN = '<span class="open">{}</span>'
 EQUAL = "The actual run equals the plan. Change load, position or add a stop."
 SAME_ENERGY = 1e-9
-"""Relatively: two ways to solve for the same plan."""
+"""Relative difference of energies within which two plans count as the same."""
 
 
 def belongs_to(actual: ActualRun, run: Trajectory) -> bool:
-    """Return whether an actual run is that of the scenario and the strategy of a run."""
+    """Return whether an actual run has the scenario and the strategy of a run."""
     return actual.planned.strategy == run.strategy and same_plan(actual.scenario, run.scenario)
 
 
@@ -44,7 +44,7 @@ def is_same_plan(actual: ActualRun, run: Trajectory) -> bool:
 
 
 def cause_words(cause: Cause, scenario: Scenario) -> str:
-    """Return what a cause is called: which way the load differs, how many stops there are."""
+    """Return the name of a cause, with the direction of a load error and the number of stops."""
     disturbance = scenario.disturbance
     if cause.name == "load" and disturbance.has_load:
         heavier = actually_loaded(scenario.vehicle, disturbance).load_mass_kg > scenario.vehicle.load_mass_kg
@@ -59,9 +59,9 @@ def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
     largest = actual.max_cause
     cause = figure("Largest cause", words.UNKNOWN, "", "none", kind="cause")
     if largest is not None:
-        told = cause_words(largest, actual.scenario)
+        name = cause_words(largest, actual.scenario)
         added = words.energy_difference(largest.energy_kwh)
-        cause = figure("Largest cause", added, "kWh", told[0].lower() + told[1:], kind="cause")
+        cause = figure("Largest cause", added, "kWh", name[0].lower() + name[1:], kind="cause")
     return figures(
         [
             _main(actual),
@@ -104,18 +104,18 @@ def _planned(actual: ActualRun, run: Trajectory) -> str:
 
 
 def late_words(actual: ActualRun) -> str:
-    """Return how late a run arrives, and how far from its place it stands, as HTML."""
+    """Return delay and stopping error of a run as HTML."""
     late = actual.delay_s
-    told = [markup(OPEN, missed) for missed in comparisons.misses(late, actual.stop_error_m)]
+    parts = [markup(OPEN, missed) for missed in comparisons.misses(late, actual.stop_error_m)]
     if late < comparisons.OTHER_TIME_S:
-        told.insert(0, escaped("on time" if late > -comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"))
-    return joined(told, ", ")
+        parts.insert(0, escaped("on time" if late > -comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"))
+    return joined(parts, ", ")
 
 
 def causes_block(actual: ActualRun) -> str:
-    """Return where the extra energy comes from, as bars that follow one another and sum to the whole."""
+    """Return the causes of the extra energy as consecutive bars that sum to the whole."""
     if not actual.causes:
-        return markup(CAUSES, "Where the extra energy comes from", note_paragraphs([EQUAL]))
+        return markup(CAUSES, "Causes of the extra energy", note_paragraphs([EQUAL]))
     energies = [cause.energy_kwh for cause in actual.causes]
     ends = list(accumulate(energies))
     low, high = min(0.0, *ends), max(0.0, *ends)
@@ -132,10 +132,10 @@ def causes_block(actual: ActualRun) -> str:
         for cause, start in zip(actual.causes, [0.0, *ends], strict=False)
     ]
     rows.append(bar("Together", 0.0, ends[-1], "all", strong=True))
-    title = f"Where the extra {words.energy(abs(actual.extra_kwh))} kWh comes from"
+    title = f"Causes of the extra {words.energy(abs(actual.extra_kwh))} kWh"
     if actual.extra_kwh < 0:
         energy = words.energy(abs(actual.extra_kwh))
-        title = f"Where the {f'{energy} kWh less' if is_false_saving(actual) else f'saved {energy} kWh'} comes from"
+        title = f"Causes of the {'difference: ' if is_false_saving(actual) else 'saving: '}{energy} kWh less"
     order = ["Each cause is added to those above it."] if len(energies) > 1 else []
     flow = markup("<div class=flow>{}</div>", joined(rows))
     return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
@@ -146,7 +146,7 @@ def causes_block(actual: ActualRun) -> str:
 BOXES = 1e6
 EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
 PROOF = (
-    '<div class="block inset"><h2>What is proven {}</h2><div class="proof-row">'
+    '<div class="block inset"><h2>Lower bound {}</h2><div class="proof-row">'
     '<span role="status" aria-live="polite">{}'
     '</span> <span class="muted">{}</span></div>{}</div>'
 )
@@ -184,11 +184,11 @@ def worth(
     trains_per_day: float,
     co2_kg_per_kwh: float,
 ) -> Markup:
-    """Return the saving of a year against a baseline, as HTML; for a run that is late, how late it is instead."""
+    """Return the saving of a year against a baseline, as HTML; for a late run, its delay instead."""
     if baseline is None:
         missing = "Pin a run first." if name.startswith("Pinned") else "Computing ..."
         return note_paragraphs([missing if refusal is None else f"{name}: {refusal}"])
-    late, later = comparisons.late_of(run), comparisons.late(baseline.travel_time_s, run.travel_time_s)
+    late, later = comparisons.delay_words(run), comparisons.late(baseline.travel_time_s, run.travel_time_s)
     if late or later:
         return note_paragraphs(
             [f"This run is {late}: that saves nothing." if late else f"{name}: {later}, not comparable."]
@@ -206,7 +206,7 @@ def worth(
     ]
     earlier_s = run.travel_time_s - baseline.travel_time_s
     note = f"{name}: {words.time(earlier_s)} s earlier." if earlier_s >= comparisons.OTHER_TIME_S else ""
-    return plain_table((f"{verb} a year", ""), rows, "What it is worth") + note_paragraphs(filter(None, [note]))
+    return plain_table((f"{verb} a year", ""), rows, "Saving of a year") + note_paragraphs(filter(None, [note]))
 
 
 # ---- a moved instruction

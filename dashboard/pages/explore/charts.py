@@ -44,8 +44,8 @@ OTHER_HEIGHTS = (116, 130, 116)
 TIP_CSS = (
     ":host { --tooltip-color: var(--rj-surface) !important; --tooltip-border: var(--rj-line2) !important; "
     "--tooltip-arrow-color: var(--rj-line2) !important; opacity: 1 !important; } "
-    "div.told { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); } "
-    "div.told b { color: var(--rj-ink); font-weight: 600; }"
+    "div.point-tip { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); } "
+    "div.point-tip b { color: var(--rj-ink); font-weight: 600; }"
 )
 Select = Callable[[dict[str, Ends]], None]
 
@@ -181,7 +181,7 @@ class RunsChart(SelectingChart):
         self.sources["known"].data = {"image": [mean], "count": [count], **place}
 
     def _pick(self, event: Any) -> None:
-        """Give on the number of the run that lies next to a press."""
+        """Report the number of the run nearest to a press."""
         look, x, y = self._look, self.x_range, self.y_range
         if look is None or event.x is None or not len(look.table.rows):
             return
@@ -193,7 +193,7 @@ class RunsChart(SelectingChart):
 def coloured(raster: Raster, ends: Ends, scale: Any, grey: str) -> Any:
     """Return a raster as pixels, shape (rows, columns).
 
-    The colour is that of the mean, the opacity grows with the count; pixels with other runs alone are grey.
+    The colour shows the mean, the opacity grows with the count; pixels without selected runs are grey.
     """
     low, high = ends
     share = np.clip((np.nan_to_num(raster.mean, nan=low) - low) / max(high - low, 1e-12), 0.0, 1.0)
@@ -209,19 +209,19 @@ def coloured(raster: Raster, ends: Ends, scale: Any, grey: str) -> Any:
 def _tip(*pairs: tuple[str, str]) -> Markup:
     """Return the content of a tooltip, with the names of columns in the place of their values."""
     lines = joined(markup("<div>{}: <b>{}</b></div>", word, number) for word, number in pairs)
-    return markup('<div class="told"><style>{}</style>{}</div>', Markup(TIP_CSS), lines)
+    return markup('<div class="point-tip"><style>{}</style>{}</div>', Markup(TIP_CSS), lines)
 
 
 class HistogramChart(SelectingChart):
-    """How often the values of a column came out, in all runs and in the selected ones.
+    """Histogram of a column, over all runs and over the selected ones.
 
     Parameters
     ----------
     name : str
     title : str
-        Of its horizontal axis where it stands alone.
+        Of its horizontal axis, if the figure has its own.
     place : str
-        "above" or "beside" the figure of the runs, whose axis it then shares; else it stands alone.
+        "above" or "beside" the figure of the runs, whose axis it then shares; else it has its own axes.
     """
 
     kind = "bars"
@@ -252,7 +252,7 @@ class HistogramChart(SelectingChart):
         self.let_select(f)
 
     def draw(self, look: Look, name: str = "") -> None:
-        """Draw the histogram of a column, or that of the axis that it shares."""
+        """Draw the histogram of a column, or of the axis that it shares."""
         f = self.figure
         assert f is not None
         name = name or (look.asked.y if self.is_sideways else look.asked.x)
@@ -279,11 +279,11 @@ class HistogramChart(SelectingChart):
         places = [place for place, _ in shown]
         self.put("marks", x=[0.0] * len(shown), y=places, end=[end] * len(shown))
         signs = [f"{word} {column.show(place)}" for place, word in shown]
-        self.put("signs", x=[end] * len(shown), y=apart(places, ends), text=signs)
+        self.put("signs", x=[end] * len(shown), y=spread_signs(places, ends), text=signs)
 
 
-def apart(places: list[float], ends: Ends, least: float = 0.055) -> list[float]:
-    """Return places for signs, moved up where two would lie over each other; `least` is a share of the axis."""
+def spread_signs(places: list[float], ends: Ends, least: float = 0.055) -> list[float]:
+    """Return places of signs, moved up where two would overlap; `least` is a share of the axis."""
     moved: list[float] = []
     for place in places:
         moved.append(max(place, moved[-1] + least * (ends[1] - ends[0])) if moved else place)
@@ -347,7 +347,7 @@ class MapChart(SelectingChart):
 
 
 def short_numbers(places: FloatArray) -> list[str]:
-    """Return numbers with as few decimals as tell a thousandth of their span apart."""
+    """Return numbers with the fewest decimals that resolve a thousandth of their span."""
     within = 1e-3 * float(np.ptp(places))
     digits = next((d for d in range(10) if np.all(np.abs(np.round(places, d) - places) <= within)), 9)
     return [words.number(float(place), digits) for place in places]

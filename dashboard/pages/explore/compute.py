@@ -1,4 +1,4 @@
-"""What the page draws of a table of runs, the shares of the inputs in the spread, and the preview of a study."""
+"""Data of the figures of a table of runs, the shares of the inputs in the spread, and the preview of a study."""
 
 import tempfile
 import time
@@ -35,7 +35,7 @@ Bounds = Mapping[str, Ends]
 
 @dataclass(frozen=True)
 class LookRequest:
-    """What is looked at in a table.
+    """A view of a table: axes, colour and selection.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Raster:
 
 @dataclass(frozen=True, eq=False)
 class Histogram:
-    """How often values came out, in all and in the selected runs, and the values at `QUANTILES`."""
+    """Counts of values in all and in the selected runs, and the values at `QUANTILES`."""
 
     edges: FloatArray
     counts: IntArray
@@ -93,7 +93,7 @@ class Medians:
 class Shares:
     """Sobol' indices, the greatest total first; shares of 1, with half an interval that holds 95 of 100.
 
-    Where they are not known, `refusal` says why.
+    If they are not known, `refusal` is the reason.
     """
 
     fields: tuple[str, ...] = ()
@@ -106,7 +106,7 @@ class Shares:
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What is drawn of a table.
+    """Data of the figures of a table.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ class Look:
 
 
 def compute_look(table: RunTable, asked: LookRequest) -> Look:
-    """Return what is drawn of a table of runs."""
+    """Return the data of the figures of a table of runs."""
     values, rows = table.values, table.rows
     if not len(rows):
         return Look(table, asked, dict.fromkeys(values, (0.0, 1.0)))
@@ -206,7 +206,7 @@ def raster(
     x: FloatArray, y: FloatArray, colour: FloatArray, held: Any, ends: tuple[Ends, Ends], size_px: tuple[int, int]
 ) -> Raster:
     """Return points as a raster: runs in each pixel, and the mean of their colour's values."""
-    # slow to load and to compile, and needed for many points alone
+    # slow to load and to compile, and needed only for many points
     import datashader  # noqa: PLC0415
     import pandas  # noqa: PLC0415
 
@@ -219,7 +219,7 @@ def raster(
 
 
 def histogram(values: FloatArray, held: Any, ends: Ends) -> Histogram:
-    """Return how often values came out between the ends of an axis."""
+    """Return the histogram of values between the ends of an axis."""
     known = values[np.isfinite(values)]
     counts, edges = np.histogram(known, bins=BINS, range=ends)
     picked = counts if held.all() else np.histogram(values[held & np.isfinite(values)], bins=BINS, range=ends)[0]

@@ -21,14 +21,14 @@ FIRST_VARIED = (
     "vehicle.auxiliary_power_kw",
     "line.head_wind_kmh",
 )
-"""What a study varies until other fields are chosen."""
+"""Fields that a new study varies."""
 AROUND = 0.2
-"""By this share a number varies at first to both sides."""
+"""Initial range of a number, as a share of its value to both sides."""
 FIRST_SPANS = {"vehicle.load_factor": (0.0, 1.0)}
 FIRST_REACH = {"kW": 50.0, "km/h": 20.0}
-"""How far a number that is zero varies at first, by its unit; others by 1."""
+"""Initial range of a number that is zero, by its unit; 1 for other units."""
 TIME_SPAN = 1.02, 1.4
-"""The travel time varies at first between these times that of the timetable."""
+"""Initial range of the travel time, as multiples of the timetable's."""
 MOST_OF_FRACTIONS = 1.5
 """Of a number with bounds up to this, the slider reaches from one to the other."""
 RULER_STEPS = 400
@@ -48,7 +48,7 @@ class StudyField:
     declared : Field
         As the editor has it: label, unit, bounds.
     value : float
-        What the scenario has there.
+        The value in the scenario.
     """
 
     path: str
@@ -93,7 +93,7 @@ class StudyField:
 
     @property
     def is_whole(self) -> bool:
-        """Whether it takes whole numbers alone."""
+        """Whether it takes only whole numbers."""
         return self.declared.kind == "whole"
 
     @property
@@ -158,7 +158,7 @@ def _words(table: str) -> str:
 
 
 def held_at(scenario: Scenario, path: str) -> Any:
-    """Return what a scenario has at a key of its file; None where it has nothing."""
+    """Return the value of a scenario at a key of its file; None if it has none."""
     held: Any = scenario
     # in a file the drive is a table of its own
     for name in (f"vehicle.{path}" if path.startswith("drive") else path).split("."):
@@ -167,7 +167,7 @@ def held_at(scenario: Scenario, path: str) -> Any:
 
 
 def first_ranges(scenario: Scenario) -> dict[str, list[float]]:
-    """Return what a study of a scenario varies at first, each between two numbers."""
+    """Return the first ranges of a study of a scenario, by the keys of the fields."""
     known = fields_that_vary(scenario)
     # of a load in tonnes there may be no share
     varied = (LOAD_T if path == LOAD_SHARE and LOAD_T in known else path for path in FIRST_VARIED)

@@ -61,7 +61,7 @@ class Span(TypedParameters):
         return number
 
     def set(self, low: float | None, high: float | None) -> None:
-        """Show both ends without giving them on."""
+        """Show both ends without reporting them as input."""
         self._quiet = True
         self.param.update(low=low, high=high)
         self._quiet = False
@@ -163,7 +163,7 @@ class InputRanges:
             self.page.over = {**self.page.over, path: list(ends)}
 
     def _choose(self, event: Any) -> None:
-        """Let the chosen inputs vary, the new ones over their first range."""
+        """Vary the chosen inputs, the new ones over their first range."""
         if self._quiet:
             return
         over, known = self.page.over, fields_that_vary(self.page.desk.scenario.edited)

@@ -11,11 +11,11 @@ from typing import Literal
 from railjoule.core import RailjouleError
 from railjoule.core.studies.sweep import InterruptedStudyError, SweepFile, SweepTable, run_study
 from railjoule.dashboard.work.study_pool import RUNS
-from railjoule.dashboard.work.worker import told
+from railjoule.dashboard.work.worker import unexpected_error
 
 LOG = logging.getLogger(__name__)
 STEP_S, TABLE_EVERY_S = 0.5, 1.0
-"""How often the page gets the number of completed runs, and the table of them."""
+"""Intervals at which the page gets the number of completed runs, and their table [s]."""
 WAITS = "Another study runs on this server; this one begins after it."
 LOST = "A worker process ended unexpectedly; the runs done so far are kept. Resume goes on with the rest."
 State = Literal["none", "waiting", "running", "stopping", "stopped", "failed", "done"]
@@ -104,7 +104,7 @@ def run_in_steps(sweep: SweepFile, stop: threading.Event, here: bool = False) ->
     sentence = ""
     error = future.exception()
     if error is not None:
-        state, sentence = "failed", str(told(error))
+        state, sentence = "failed", str(unexpected_error(error))
     if isinstance(error, InterruptedStudyError | BrokenExecutor):
         LOG.warning("a worker process of a study has ended: %s", error)
         RUNS.renew()

@@ -105,7 +105,7 @@ class Studies(Page):
     choice = param.Dict(default={}, doc="Ends of the selection, by column.")
     listed = param.Integer(default=ROWS_AT_ONCE, doc="How many of the selected runs are listed.")
     refusal = param.String(default="", doc="Why a study was not begun or opened.")
-    note = param.String(default="", doc="What was saved.")
+    note = param.String(default="", doc="The saved study.")
     may_go_on = param.Boolean(default=True, doc="Whether a study that has stopped can go on.")
 
     def __init__(self, desk: Any, **params: Any) -> None:
@@ -159,10 +159,8 @@ class Studies(Page):
             f"table = sweep(scenario, {over!r}, {study.sample}, {study.method!r}, seed={study.seed}, "
             f"columns={study.columns!r})\nprint(table.to_dataframe())\n"
         )
-        untold = "The page shows a study of many runs, whose ranges no scenario file has; study sweep takes them."
-        return PageRun(
-            Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, untold
-        )
+        note = "The page shows a study of many runs, whose ranges no scenario file has; study sweep takes them."
+        return PageRun(Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, note)
 
     # ---- what it computes
 
@@ -232,7 +230,7 @@ class Studies(Page):
         self.go_on()
 
     def _show_results(self, results: SweepFile, **more: Any) -> None:
-        """Show another study, in place of that before."""
+        """Show another study in place of the present one."""
         self._stop.set()
         self.sweep = results
         first: dict[str, Any] = {"asked": None, "table": None, "draws": None, "choice": {}, "listed": ROWS_AT_ONCE}

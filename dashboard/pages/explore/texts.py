@@ -124,7 +124,7 @@ def legend_html(look: Look, dark: bool) -> Markup:
 def indices_html(shares: Shares, columns: Mapping[str, Column]) -> Markup:
     """Return the share of each input in the spread, as bars with their numbers."""
     title = markup(
-        '<div class="titled"><h2>What decides the energy: Sobol\u2019 indices, %{}</h2></div>',
+        '<div class="titled"><h2>Influences on the energy: Sobol\u2019 indices, %{}</h2></div>',
         info("Sobol\u2019 indices"),
     )
     if shares.refusal:

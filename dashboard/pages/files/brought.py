@@ -1,4 +1,4 @@
-"""Files that a user brings: what each of them is, by its content, and what the user says of it."""
+"""Files from the user: the kind of each by its content, and the choices of the user about it."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
@@ -56,22 +56,22 @@ UNKNOWN = (
 
 @dataclass(frozen=True, eq=False)
 class Brought:
-    """A file as it was brought, and what the user says of it.
+    """A file as it was brought, with the choices of the user about it.
 
     Parameters
     ----------
     number : int
-        By which the page knows it.
+        Its key on the page.
     name : str
     content : bytes
     said_kind : str
-        What it is, where the user says so.
+        The kind chosen by the user; empty without a choice.
     columns : ColumnMap
-        What the user says of its columns.
+        Choices of the user about its columns.
     factors : mapping of str to float
-        What numbers of a vehicle are multiplied with, by their keys: answers to questions about units.
+        Factors of numbers of a vehicle by their keys: answers to questions about units.
     encoding : str
-        The code page of a text that is not UTF-8, where the user says it.
+        The code page of a text that is not UTF-8, if the user has chosen it.
     is_example : bool
         Whether it is one of the example runs.
     sheet : str
@@ -89,7 +89,7 @@ class Brought:
     sheet: str = ""
 
     def with_kind(self, kind: Kind) -> "Brought":
-        """Return it as a file of another kind; what was said of its columns is forgotten."""
+        """Return it as a file of another kind, without the choices about its columns."""
         return replace(self, said_kind=kind, columns=ColumnMap(sheet=self.columns.sheet))
 
     def with_choice(self, key: str, value: str) -> "Brought":
@@ -143,18 +143,18 @@ class Brought:
 
     @cached_property
     def kind(self) -> Kind:
-        """What it is: as the user says, or by its content.
+        """Its kind: chosen by the user, or found by its content.
 
         Raises
         ------
         ScenarioError
-            If it is nothing that can be read.
+            If no kind of file that can be read fits.
         """
         return self.said_kind or self._guess()
 
     @cached_property
     def wanted(self) -> ColumnMap:
-        """What is known of its columns: by a published table that has these, and by the user."""
+        """The meaning of its columns: from a published table that has the same ones, and from the user."""
         if self.kind not in TABLE_KINDS:
             return self.columns
         return self.columns.over(known_columns(self.cells, self.kind))
@@ -174,13 +174,13 @@ class Brought:
         except ChoiceError as several:
             return self._guess_of_workbook(several)
         with encoding_mentioned(cells.findings):
-            kind = line_kind_of(cells) or ("run" if self._is_recorded() else "")
+            kind = guess_line_kind(cells) or ("run" if self._is_recorded() else "")
         if not kind:
             raise ScenarioError(f"{self.name}: {UNKNOWN}.")
         return kind
 
     def _guess_of_workbook(self, several: ChoiceError) -> Kind:
-        """Return that a workbook of several sheets holds runs, if one of them is one; else a sheet is to be chosen."""
+        """Return "run" if a sheet of a workbook is a recorded run; else raise `several`, as a sheet is to be chosen."""
         try:
             is_run = bool(self.runs)
         except RailjouleError:
@@ -200,8 +200,8 @@ def is_recording(header: Sequence[str]) -> bool:
     return "time" in found or {"speed", "position"} <= set(found)
 
 
-def line_kind_of(cells: CellTable) -> Kind:
-    """Return the kind of a table by its columns, then by the file's name; empty where neither says it."""
+def guess_line_kind(cells: CellTable) -> Kind:
+    """Return the kind of a table by its columns, then by the file's name; empty if neither identifies it."""
     if is_recording(cells.header) and ("time" in find_quantities(cells.header) or kind_by_name(cells.source) is None):
         return "run"
     return kind_of_table(cells, cells.source) or ""
@@ -229,7 +229,7 @@ def split_workbook(name: str, content: bytes) -> list["Brought"]:
     ]
 
 
-def selectors_of(cells: CellTable, used: tuple[str | None, ...]) -> list[str]:
+def find_selectors(cells: CellTable, used: tuple[str | None, ...]) -> list[str]:
     """Return the columns that name a line or a track."""
     names = [name for role in SELECTORS for name in NAMES[role]]
     return [column for column in cells.header if column not in used and any(same_name(column, name) for name in names)]

@@ -1,4 +1,4 @@
-"""The card of a file as widgets: what the file is, what its columns mean with their units, and what is asked."""
+"""The card of a file as widgets: its kind, the meanings and units of its columns, and the questions."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -60,7 +60,7 @@ class FileCard:
     def __init__(self, say: Callable[[str, str], None], remove: Callable[[], None]) -> None:
         self.say, self._quiet = say, False
         self.head, self.messages, self.table = (_text() for _ in range(3))
-        self.kind = menu("What it is", SELECT_PX)
+        self.kind = menu("Kind of file", SELECT_PX)
         self.kind.param.watch(lambda event: self._choose("kind", event.new), "value")
         self.remove = pmui.Button(variant="text", on_click=lambda _: remove(), **SMALL)
         self.choices, self.questions = parts.stack(), parts.stack()
@@ -72,7 +72,7 @@ class FileCard:
         self.view = parts.stack(self.head, line, self.table, self.choices, self.questions, self.messages, css=CARD_CSS)
 
     def show(self, card: Card) -> None:
-        """Show what is known of a file."""
+        """Show the card of a file."""
         before, self._quiet = self._quiet, True
         with pn.io.hold():
             failure = parts.refusal(card.failure) if card.failure else ""

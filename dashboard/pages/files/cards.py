@@ -1,4 +1,4 @@
-"""The card of each file that a user brings: what the file holds, and what is to be said of it."""
+"""The card of each file from the user: its content, and the open choices."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,7 +27,7 @@ from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.vehicle import ImportedVehicle, checked_vehicle, questions, short_numbers
 from railjoule.core.measured.columns import UNITS
 from railjoule.dashboard.look.key_names import without_keys
-from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, selectors_of
+from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, find_selectors
 from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning, Question
 from railjoule.dashboard.pages.files.columns import UNIT_WORDS as RUN_UNIT_WORDS
 from railjoule.dashboard.pages.files.measured import ReadRun
@@ -35,7 +35,7 @@ from railjoule.dashboard.pages.files.measured import ReadRun
 MOST_CHOICES = 300
 """Lines or tracks of one table among which the page lets choose."""
 COMMAND_OPTION = re.compile(rf",? as (?:--encoding \w+|--reverse|(?:{'|'.join(TABLE_KINDS)})\.[^=]+=[^.,;]*)")
-"""How an option of the command line is written, in sentences that both tell; on the page there are menus for it."""
+"""Form of an option of the command line in shared sentences; the page has menus for it."""
 
 UNIT_WORDS = {
     "permille": "per mille",
@@ -62,7 +62,7 @@ CODE_PAGES = {
     "cp949": "Korean (Windows-949)",
     "big5": "Chinese (Big5)",
 }
-"""Among which the user can choose for a text that is not UTF-8."""
+"""Code pages that the user can choose for a text that is not UTF-8."""
 
 
 ROLES_OF_KIND: Mapping[str, tuple[str, ...]] = {
@@ -114,7 +114,7 @@ class Choice:
 
     @property
     def is_missing(self) -> bool:
-        """Whether the file waits for it."""
+        """Whether the file cannot be read without it."""
         return not self.value and (self.key in NEEDED or self.key.startswith("rows "))
 
 
@@ -152,12 +152,12 @@ class Card:
         return self.kind == "run" and not self.failure
 
     def allows(self, key: str, value: str) -> bool:
-        """Return whether it offers this: a message of a browser may hold anything."""
+        """Return whether the card offers a choice, as a message of a browser may hold anything."""
         chosen = any(one.key == key and value in dict(one.options) for one in self.choices)
         return chosen or any(one.key == key and value in dict(one.answers).values() for one in self.questions)
 
 
-def card_of(file: Brought) -> Card:
+def build_card(file: Brought) -> Card:
     """Return the card of a file; an error in it becomes its failure, and is never raised."""
     card = Card(file.number, file.name)
     first = []
@@ -247,7 +247,7 @@ def _with_unit_to_choose(card: Card, error: UnitError) -> Card:
 
 
 def _choices(file: Brought, found: ResolvedColumns | None, columns: Mapping[str, str | None]) -> Iterator[Choice]:
-    """Yield what can be said of a table's columns."""
+    """Yield the choices about a table's columns."""
     cells, kind, wanted = file.cells, file.kind, file.wanted
     for role in ROLES_OF_KIND.get(kind, ("from", "to", "value")):
         nothing = "none" if found else "choose"
@@ -263,7 +263,7 @@ def _choices(file: Brought, found: ResolvedColumns | None, columns: Mapping[str,
         usual = f"{USUAL_TOLERANCE_M:g} m, usual"
         value = "" if wanted.tolerance_m is None else f"{wanted.tolerance_m:g}"
         yield _menu("tolerance_m", "Tolerance", TOLERANCES_M, value, {one: f"{one} m" for one in TOLERANCES_M}, usual)
-    for column in selectors_of(cells, tuple(columns.values())):
+    for column in find_selectors(cells, tuple(columns.values())):
         texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
         if len(texts) > 1:
             yield _menu(f"rows {column}", f"Only {column}", texts, wanted.rows.get(column, ""))
@@ -348,7 +348,7 @@ def describe_run(read: ReadRun, number: int) -> Card:
 
 
 def _choices_of_column(read: ReadRun, header: str, meaning: Meaning) -> Iterator[Choice]:
-    """Yield what a column of a run holds, and in which unit; values are texts of meanings."""
+    """Yield quantities and units that a column of a run may hold; values are texts of meanings."""
     yield Choice(f"meaning {header}", header, tuple(QUANTITY_WORDS.items()), meaning.quantity)
     units = UNITS.get(meaning.quantity, {})
     options = tuple((Meaning(meaning.quantity, unit).text, RUN_UNIT_WORDS.get(unit, unit)) for unit in units)

@@ -1,4 +1,4 @@
-"""What the columns of a recorder's file mean: as the user says, else guessed from their names; asked where in doubt."""
+"""Meanings of the columns of a recorder's file: chosen by the user, or guessed from the names with open questions."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -39,7 +39,7 @@ QUANTITY_WORDS: Mapping[str, str] = {
     "line_current": "Line current",
     "line_voltage": "Line voltage",
 }
-"""What a column may hold, in the words of the page."""
+"""Quantities that a column may hold, in the words of the page."""
 UNIT_WORDS: Mapping[str, str] = {CLOCK: "hh:mm:ss"}
 PARTS_OF_EFFORT = ("tractive_effort", "braking_effort")
 SAMPLES = 5
@@ -59,26 +59,26 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = {
 speed, of its largest effort and power, of its kinetic energy at top speed, of its line's voltage and of the current
 that its power takes from it."""
 USUAL_VOLTAGE_V = 1500.0
-"""Where the vehicle names none."""
+"""Assumed line voltage of a vehicle without one."""
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a column holds: one of the quantities, and its unit; an empty one where its name tells none."""
+    """Quantity and unit of a column; the unit is empty if the name of the column has none."""
 
     quantity: str
     unit: str = ""
 
     @classmethod
     def of(cls, text: str) -> "Meaning":
-        """Return what a kept text says, such as 'effort kN'; nothing where it says nothing known."""
+        """Return the meaning of a saved text such as 'effort kN'; an unknown text means that the column is not used."""
         quantity, _, unit = text.partition(" ")
         known = UNITS.get(quantity, {})
         return cls(quantity, unit) if unit in known else cls(NOT_USED)
 
     @property
     def text(self) -> str:
-        """The text by which it is kept."""
+        """The text in which it is saved."""
         return f"{self.quantity} {self.unit}".strip()
 
 
@@ -101,7 +101,7 @@ class Question:
 
     @property
     def header(self) -> str:
-        """The column that it is about."""
+        """The column in question."""
         return self.key.partition(" ")[2]
 
 
@@ -165,14 +165,14 @@ def run_sheets(source: SourceFile, sheets: Sequence[str]) -> tuple[RunFile, ...]
     name = source.name
     if not found:
         raise RailjouleError(f"{name}: none of its sheets is a table with a speed; it has {shown_list(list(sheets))}.")
-    told = (f"Sheets that are not read as a run: {shown_list(others)}.",) if others else ()
-    return tuple(_sheet_as_file(file, f"{name}, {sheet}", told) for sheet, file in found)
+    unread = (f"Sheets that are not read as a run: {shown_list(others)}.",) if others else ()
+    return tuple(_sheet_as_file(file, f"{name}, {sheet}", unread) for sheet, file in found)
 
 
-def _sheet_as_file(file: RunFile, name: str, told: tuple[str, ...]) -> RunFile:
-    """Return a sheet as a file of its own, which is silent about the other sheets that are runs."""
+def _sheet_as_file(file: RunFile, name: str, unread: tuple[str, ...]) -> RunFile:
+    """Return a sheet as a file of its own, without the note about the other sheets that are runs."""
     kept = [sentence for sentence in file.cells.unused if "sheets not read" not in sentence]
-    return RunFile(name, replace(file.cells, source=name, unused=(*kept, *told)))
+    return RunFile(name, replace(file.cells, source=name, unused=(*kept, *unread)))
 
 
 def read_run_file(source: SourceFile, sheet: str | None = None) -> RunFile:
@@ -194,14 +194,14 @@ def read_run_file(source: SourceFile, sheet: str | None = None) -> RunFile:
     return RunFile(name, cells)
 
 
-def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]:
-    """Return what each column of a file holds.
+def read_meanings(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]:
+    """Return the meaning of each column of a file.
 
     Parameters
     ----------
     file : RunFile
     answers : mapping of str to str
-        What the user says, by the column's name: a quantity and a unit, or nothing where it is not used.
+        Choices of the user by the column's name: a quantity and a unit, or an empty text if it is not used.
     """
     headers = file.cells.header
     meanings = dict.fromkeys(headers, Meaning(NOT_USED))
@@ -233,11 +233,11 @@ def _usual_unit(file: RunFile, header: str, quantity: str) -> str:
 def settled(
     file: RunFile, answers: Mapping[str, str], vehicle: Vehicle
 ) -> tuple[dict[str, Meaning], tuple[Question, ...], tuple[str, ...]]:
-    """Return what the columns hold, the questions that are open, and what was assumed, in sentences.
+    """Return the meanings of the columns, the open questions, and the assumptions in sentences.
 
-    A column with an open question is not used; nor is it asked about what the user has said.
+    A column with an open question is not used; a choice of the user raises no question.
     """
-    meanings, doubts, assumed = meanings_of(file, answers), [], []
+    meanings, doubts, assumed = read_meanings(file, answers), [], []
     for header, meaning in meanings.items():
         if header in answers:
             continue
@@ -290,7 +290,7 @@ def _question(
 
 
 def _sizes(vehicle: Vehicle) -> dict[str, float]:
-    """Return what such a train has at most of each quantity, in SI."""
+    """Return the maximum of each quantity for such a train, in SI units."""
     traction = vehicle.traction
     top = traction.max_speed_kmh * MS_PER_KMH
     kinetic = 0.5 * vehicle.total_mass_kg * top**2

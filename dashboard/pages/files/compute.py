@@ -15,7 +15,7 @@ from railjoule.core.scenario.document import to_document
 from railjoule.core.strategies import prepare_task
 from railjoule.core.studies import StudyTable, assumption_steps
 from railjoule.dashboard.pages.files.brought import TABLE_WORDS, Brought
-from railjoule.dashboard.pages.files.cards import Card, card_of
+from railjoule.dashboard.pages.files.cards import Card, build_card
 from railjoule.dashboard.pages.files.columns import RunFile
 
 SLACK = 0.1
@@ -90,7 +90,7 @@ class Reading:
         Of which the line was put together.
     vehicle : ImportedVehicle or None
     travel_time_s : float or None
-        That of a journey.
+        The travel time of a journey.
     findings, unused : tuple of str
         Of the line as a whole.
     runs : tuple of RunFile
@@ -116,16 +116,16 @@ class Reading:
 
 def read_files(request: Request) -> Iterator[Reading]:
     """Yield what the files give, then the same with the scenarios that can be made of it."""
-    reading = put_together(tuple(card_of(file) for file in request.files), request)
+    reading = put_together(tuple(build_card(file) for file in request.files), request)
     yield reading
-    yield replace(reading, offers=tuple(offers_of(reading, request.base)))
+    yield replace(reading, offers=tuple(make_offers(reading, request.base)))
 
 
 # ---- all files together
 
 
 def put_together(cards: Sequence[Card], request: Request) -> Reading:
-    """Return the line and the vehicle of all cards; of two that tell of the same the last one counts."""
+    """Return the line and the vehicle of all cards; of two of one kind the last one counts."""
     read = [card for card in cards if not card.failure]
     runs = tuple(run for card in read if card.is_run for run in card.result)
     read = [card for card in read if not card.is_run]
@@ -195,7 +195,7 @@ def _place(label: str, text: str) -> float | None:
 
 
 def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Brought]) -> Reading:
-    """Return the reading with the line of TTOBench, and with what its train and its journey say of it."""
+    """Return the reading with the line of TTOBench, completed from its train and its journey."""
     track = kinds["track"].result
     if "train" not in kinds:
         return replace(reading, line=track)
@@ -204,28 +204,28 @@ def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Bro
     journey = sources[kinds["journey"].number] if "journey" in kinds else None
     made = read_ttobench(of_track, of_train, journey)
     line = replace(track, document={"line": made.document["line"]}, line=made.line)
-    told = (*track.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
+    shown = (*track.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
     return replace(
         reading,
         line=line,
         travel_time_s=made.travel_time_s,
         extra={key: value for key, value in made.document.get("timetable", {}).items() if key != "travel_time_s"},
-        findings=tuple(one.sentence for one in made.findings if one.sentence not in told and one.other_unit is None),
-        unused=(*reading.unused, *(sentence for sentence in made.unused if sentence not in told)),
+        findings=tuple(one.sentence for one in made.findings if one.sentence not in shown and one.other_unit is None),
+        unused=(*reading.unused, *(sentence for sentence in made.unused if sentence not in shown)),
     )
 
 
 # ---- scenarios
 
 
-def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
-    """Yield the scenarios that can be made of a reading and of what stands on the page."""
+def make_offers(reading: Reading, base: Scenario) -> Iterator[Offer]:
+    """Yield the scenarios that can be made of a reading and the scenario of the page."""
     if reading.line is None and reading.vehicle is None:
         return
     own = to_document(base)
     kept: dict[str, Any] = {key: own[key] for key in ("vehicle", "drive") if key in own}
     line = reading.line.document["line"] if reading.line is not None else None
-    train = _vehicle_of(reading.vehicle, base) if reading.vehicle is not None else None
+    train = _loaded_vehicle(reading.vehicle, base) if reading.vehicle is not None else None
     if line is not None and train is not None:
         yield replace(_offer("both", {**train, "line": line}, reading, None), waits_for=refused_parts(reading, ()))
     if line is not None:
@@ -237,13 +237,13 @@ def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
 
 
 def refused_parts(reading: Reading, others: Collection[str]) -> tuple[str, ...]:
-    """Return in words what the files tell that could not be read, but for `others`, kinds that do not matter."""
+    """Return the names of what the unread files describe, without the kinds in `others`, which do not matter."""
     refused = [card for card in reading.cards if card.failure and card.kind not in (*others, "run")]
     words = (f"the {TABLE_WORDS[card.kind].lower()}" if card.kind in TABLE_WORDS else card.name for card in refused)
     return tuple(dict.fromkeys(words))
 
 
-def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
+def _loaded_vehicle(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
     """Return the vehicle's table with as many on board as now, as far as it carries them."""
     vehicle = imported.document["vehicle"]
     if not imported.vehicle.capacity_passengers * imported.vehicle.passenger_mass_kg:

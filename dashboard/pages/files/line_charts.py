@@ -1,4 +1,4 @@
-"""The line that was read, before it is used: height, speed limits, curves; what its tables leave open is hatched."""
+"""Preview of the line that was read: height, speed limits, curves; gaps of its tables are hatched."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,9 +21,9 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.files.compute import Reading
 
 Gap = tuple[float, float]
-"""Where it begins and ends, from the start of the run [m]."""
+"""Its begin and end, from the start of the run [m]."""
 Sign = tuple[float, float, float, str]
-"""Begin and end of what it is about [m], the value at which it stands, and its text."""
+"""Begin and end of its stretch [m], the value at which it is written, and its text."""
 SIGN_PX, ROOM_PX = 11, 4
 ROOM_SHARE, LEAST_RELIEF_M = 0.3, 1.0
 SIDES = ("left", "right", "bottom", "top")
@@ -129,8 +129,8 @@ def previews(reading: Reading, imported: ImportedLine) -> dict[str, Preview]:
     """Return the contents of the charts of the line that was read."""
     line = imported.line.in_running_order()
     return {
-        HEIGHT.name: height_preview(line, gaps_of(reading, "gradients")),
-        LIMITS.name: limits_preview(line, gaps_of(reading, "limits")),
+        HEIGHT.name: height_preview(line, find_gaps(reading, "gradients")),
+        LIMITS.name: limits_preview(line, find_gaps(reading, "limits")),
         CURVES.name: curves_preview(line, imported),
     }
 
@@ -175,8 +175,8 @@ def alike(line: Line, values: Sequence[float]) -> list[tuple[float, float, float
     return stretches
 
 
-def gaps_of(reading: Reading, kind: str) -> list[Gap]:
-    """Return where the table of a kind says nothing of the line, from the start of the run; nothing where none is."""
+def find_gaps(reading: Reading, kind: str) -> list[Gap]:
+    """Return the gaps in the table of a kind, from the start of the run [m]; none without such a table."""
     line = reading.line
     table = next((one for one in reading.tables if one.kind == kind), None)
     if line is None or table is None:

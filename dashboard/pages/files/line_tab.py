@@ -63,14 +63,14 @@ def read_taken(offer: Offer, time_s: float, _press: object) -> Opened:
 class LineTab(Page):
     """The line and the train that the files describe."""
 
-    files = param.ClassSelector(class_=tuple, default=(), doc="What was brought.")
-    begin = param.String(default="", doc="Where the wanted part of the line begins, as it was typed.")
-    end = param.String(default="", doc="Where it ends.")
+    files = param.ClassSelector(class_=tuple, default=(), doc="The files from the user.")
+    begin = param.String(default="", doc="Begin of the wanted part of the line, as it was typed.")
+    end = param.String(default="", doc="End of the wanted part, as it was typed.")
     reverse = param.Boolean(default=False, doc="Whether it is run in falling chainage.")
     line_name = param.String(default="", doc="Name of the line, in the place of that which its files give.")
     refusal = param.String(default="", doc="Why a file, or a scenario, was not taken.")
-    reading = result(Reading, "What was read.")
-    effects = result(StudyTable, "What the assumptions of the train are worth.")
+    reading = result(Reading, "The line and the train that were read.")
+    effects = result(StudyTable, "Effects of the assumptions of the train.")
     wanted = result(tuple, "The offer that is to be taken, its travel time, and the press that asked for it.")
     opened = result(Opened, "The scenario that was taken last.")
 
@@ -102,7 +102,7 @@ class LineTab(Page):
             self.desk.page = "Drive"
 
     def use(self, offer: Offer, time: str) -> None:
-        """Take an offer with the travel time that was typed, or say why not."""
+        """Take an offer with the typed travel time, or show the error."""
         # up to the tenth of a second that the page shows
         least = round(offer.shortest_s, 1)
         try:
@@ -129,11 +129,11 @@ class LineTab(Page):
             self.put(file.with_choice(key, value))
 
     def put(self, file: Brought) -> None:
-        """Put a file in the place of the one of its number."""
+        """Replace the file of the same number."""
         self.files = tuple(file if one.number == file.number else one for one in self.files)
 
     def remove(self, number: int) -> None:
-        """Let go of a file."""
+        """Remove a file."""
         files = tuple(one for one in self.files if one.number != number)
         has_example = any(file.is_example for file in files)
         self.param.update(files=files, example=self.example and has_example, refusal="")
@@ -302,7 +302,7 @@ def effects_table(table: StudyTable) -> Markup:
         "first. Of an efficiency, the losses are varied. Assumed values stay marked in the saved scenario and in the "
         "report until another value replaces them."
     )
-    shown = parts.table("What each assumption is worth", head, [(row, False) for row in rows], "assumptions")
+    shown = parts.table("Effect of each assumption", head, [(row, False) for row in rows], "assumptions")
     return markup("{}<p class=note>{}</p>", shown, note)
 
 

@@ -29,22 +29,22 @@ PARAMETER_WORDS: Mapping[str, str] = {
     EFFICIENCY: "Efficiency",
     AUXILIARY: "Auxiliaries",
 }
-"""What fitted parameters are called on the page; the running resistance is A + B v + C v2."""
+"""Names of fitted parameters on the page; the running resistance is A + B v + C v2."""
 
 
 @dataclass(frozen=True)
 class RunsRequest:
-    """Files, what the user says of them, and the train and line that they are laid on.
+    """Files with the choices of the user, and the scenario with their train and line.
 
     Parameters
     ----------
     files : tuple of RunFile
     answers : tuple of (str, str)
-        What columns mean, by their names.
+        Meanings of columns by their names.
     scenario : Scenario
         Its timetable does not count.
     start_m : float or None
-        Where the runs begin [m]; found where absent.
+        Start of the runs on the line [m]; found if None.
     shown : str
         The file that the page shows; the last one where there is none of this name.
     coasting_only : bool
@@ -61,13 +61,13 @@ class RunsRequest:
 
 @dataclass(frozen=True, eq=False)
 class ReadRun:
-    """What became of a file.
+    """A file as a run on its line, or the reason why it is none.
 
     Parameters
     ----------
     file : RunFile
     meanings : mapping of str to Meaning
-        What each column holds.
+        Meaning of each column.
     doubts : tuple of Question
         Questions about columns, which are not used until they are answered.
     run : MeasuredRun or None
@@ -75,7 +75,7 @@ class ReadRun:
     refusal : str
         Why not.
     notes : tuple of str
-        What was assumed, left out or changed, in sentences.
+        Assumptions, omissions and changes, in sentences.
     """
 
     file: RunFile
@@ -98,7 +98,7 @@ class Measured:
     reads : tuple of ReadRun
         All that are read so far, in the order of the files.
     saving : Saving or None
-        None where there is none yet, or `refusal` says why not.
+        None if it is not computed yet, or if `refusal` has the reason against it.
     refusal : str
     fit : Fit or None
     held_out : tuple of HeldOut
@@ -108,7 +108,7 @@ class Measured:
     fit_refusal : str
         Why there is no fit.
     step : str
-        What is under way; empty at the end.
+        The step under way; empty at the end.
     """
 
     request: RunsRequest
@@ -156,7 +156,7 @@ def compute_measured(request: RunsRequest) -> Iterator[Measured]:
 
 
 def read_run(request: RunsRequest, file: RunFile, scenario: Scenario) -> ReadRun:
-    """Return a file on the line of a scenario, or why it cannot be laid there."""
+    """Return a file on the line of a scenario, or the reason against it."""
     meanings, doubts, assumed = settled(file, dict(request.answers), scenario.vehicle)
     asked = {doubt.header for doubt in doubts}
     used = {header: one for header, one in meanings.items() if one.quantity and header not in asked}
@@ -173,7 +173,7 @@ def read_run(request: RunsRequest, file: RunFile, scenario: Scenario) -> ReadRun
 
 
 def _missing(file: RunFile, meanings: Mapping[str, Meaning], used: Mapping[str, Meaning]) -> str:
-    """Return which column is needed and not there; nothing where none is."""
+    """Return the name of a required column that is missing; empty if none is."""
     held, known = ({one.quantity for one in some.values()} for some in (meanings, used))
     for needed in (("speed",), ("time", "position")):
         if known & set(needed):
@@ -204,7 +204,7 @@ def _require_time(recording: Recording) -> None:
 
 
 def with_fit(measured: Measured, scenario: Scenario) -> Measured:
-    """Return the same with the train that fits its runs best, or why there is none."""
+    """Return the result with the train that fits its runs best, or the reason why there is none."""
     runs, coasting = measured.runs, measured.request.coasting_only
     if not runs:
         return measured
@@ -252,7 +252,7 @@ def energy_so_far(run: MeasuredRun) -> tuple[FloatArray, FloatArray, FloatArray]
 
 
 def fitted_changes(fit: Fit) -> dict[str, object]:
-    """Return what a fit changes in the scenario, by the keys of its file."""
+    """Return the changes of the scenario by a fit, by the keys of its file."""
     vehicle, free = fit.fitted_scenario.vehicle, set(fit.model.free)
     changes: dict[str, object] = {}
     if free & set(RESISTANCE):
@@ -270,7 +270,7 @@ def fitted_changes(fit: Fit) -> dict[str, object]:
 
 
 def fit_sentences(fit: Fit) -> list[str]:
-    """Return what the runs do not tell, with the words of the page."""
+    """Return the notes of a fit on parameters that the runs do not determine, in the words of the page."""
     return [_in_words(sentence) for sentence in fit.sentences]
 
 

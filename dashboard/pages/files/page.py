@@ -37,7 +37,7 @@ from railjoule.dashboard.workbench import Workbench
 TABS: Mapping[str, str] = {LINE: "Line and train", RUNS: "Recorded runs"}
 """The tabs by their names in the address."""
 EXAMPLE_SCENARIO = "metro-with-limit"
-"""On whose line the example runs were made, see tests/measured_example.py."""
+"""Scenario with the line of the example runs, see tests/measured_example.py."""
 EXAMPLE_RUNS = ("recordings/metro-0714.csv", "recordings/metro-1742.csv")
 """Two drivers' runs over one line: the folder has those of other lines too."""
 EXAMPLE_LINE = tuple(f"imports/example-{name}.csv" for name in ("limits", "gradients", "curves"))
@@ -49,7 +49,7 @@ table { font-size: 13px; } td, th { text-align: left; white-space: normal; paddi
 """
 )
 MAX_FILES = 12
-"""Kept of one page: each is held in the server's memory."""
+"""Maximum number of files of one page: each is held in the server's memory."""
 LONGEST_NAME = 80
 """Characters of a file's name: it comes from the browser, however long."""
 
@@ -89,14 +89,14 @@ class Files(RunsTab):
         return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
 
     def is_over_time(self, axis: str) -> bool:
-        """Return whether an axis is one of times: that of the runs can be."""
+        """Return whether an axis is one of times, which is possible on the tab of runs."""
         return bool(axis == RUNS and self.desk.over_time)
 
     def page_run(self) -> PageRun:
         """Return the plan: a measured run stands beside it, and its file in no scenario."""
         plan = super().page_run()
-        untold = "The page shows measured runs, whose files no scenario file has; this is the plan."
-        return PageRun(plan.program, plan.changes, untold) if self.tab == RUNS and self.measured is not None else plan
+        note = "The page shows measured runs, whose files no scenario file has; this is the plan."
+        return PageRun(plan.program, plan.changes, note) if self.tab == RUNS and self.measured is not None else plan
 
     # ---- files
 
@@ -159,7 +159,7 @@ class Files(RunsTab):
         self.param.update(example=True, shown=sources(EXAMPLE_RUNS)[0].name, refusal="")
 
     def _bring_example(self, *_: Any) -> None:
-        """Have the example runs among the files, or not: a link or a step back may want so."""
+        """Add or remove the example runs, as a link or a step back requires."""
         self.files = tuple(file for file in self.files if not file.is_example)
         if self.example:
             with param.parameterized.batch_call_watchers(self):
@@ -167,7 +167,7 @@ class Files(RunsTab):
                     self.add(source.name, source.content, is_example=True)
 
     def _turn_to_newest(self, *_: Any) -> None:
-        """Show the tab of what was brought last, and of runs the last one; again where the user chooses its kind."""
+        """Show the tab of the latest file, and the last of several runs; again when the user chooses its kind."""
         newest = self.cards[-1] if self.cards else None
         if newest is None or (newest.number, newest.kind) == self._newest:
             return
@@ -181,7 +181,7 @@ class Files(RunsTab):
     # ---- what it shows
 
     def layout(self) -> Viewable:
-        """Make what brings files, the tabs, and the parts of the one that is open."""
+        """Make the field for files, the tabs, and the parts of the open tab."""
         place: dict[str, Any] = {"variant": "outlined", "size": "small", "margin": (8, 8, 0, 0)}
         self.chooser = SmallFile(
             refuse=lambda: setattr(self, "refusal", too_large("The file")),
@@ -220,6 +220,6 @@ class Files(RunsTab):
         self.refused.object = parts.refusal(self.refusal) if self.refusal else ""
         is_empty = not (self.runs if self.tab == RUNS else [card for card in self.cards if not card.is_run])
         sentences, head, rows = texts.INVITATION[self.tab]
-        table = parts.table("What you can drop", head, [(row, False) for row in rows])
+        table = parts.table("Accepted files", head, [(row, False) for row in rows])
         self.invitation.object = parts.finding(sentences) + table if is_empty else Markup("")
         self.sheet.view.visible = self.tab == LINE

@@ -16,7 +16,7 @@ from railjoule.dashboard.charts.names import Box, Name, text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED, along
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.files.measured import energy_so_far
@@ -25,17 +25,17 @@ LINES: Mapping[str, Line] = {
     "modelled": Line("pinned", {"line_width": 1.8}),
     "optimal": Line("accent", {"line_width": 2.4}),
 }
-"""Colour and stroke of what is computed, in the order of drawing."""
+"""Colour and stroke of the computed lines, in the order of drawing."""
 NAME_TOKENS = {"measured": "ink", "modelled": "ink3", "optimal": "accent"}
 MOST_DOTS, NARROW_DOTS = 160, 50
-"""In usual and in narrow windows; more would touch one another, and look like a line that nobody measured."""
+"""Numbers of dots in wide and in narrow windows; more would touch and look like a line."""
 HEADROOM, SIGN_PX, SIGN_LIFT_PX = 1.16, 11, 2
 MEASURED = "measured"
 
 
 @dataclass(frozen=True, eq=False)
 class RunsScene:
-    """What the charts draw.
+    """Data of the charts.
 
     Parameters
     ----------
@@ -54,17 +54,17 @@ class RunsScene:
 
     @property
     def lines(self) -> dict[str, Trajectory]:
-        """What is computed, by the names of the lines."""
+        """The computed runs by the names of their lines."""
         optimum = {} if self.saving is None else {"optimal": self.saving.optimum}
         return {"modelled": self.run.modelled, **optimum}
 
     @property
     def end(self) -> float:
-        """Where the axis ends."""
+        """The end of the axis."""
         return max(float(along(self.over_time).values(run)[-1]) for run in self.lines.values())
 
     def dots(self, time_s: FloatArray, place_m: FloatArray, values: FloatArray) -> Curve:
-        """Return some of what was measured, over the axis."""
+        """Return some of the measured values, over the axis."""
         every = max(1, -(-len(values) // self.dot_count))
         # the last one too, at which the energy of the run is read
         chosen = np.unique(np.append(np.arange(0, len(values), every), len(values) - 1))
@@ -72,20 +72,22 @@ class RunsScene:
 
 
 def fill_all(chart: RunLines, scene: RunsScene, dots: Curve | None) -> dict[str, Curve]:
-    """Draw lines of what is computed and dots of what was measured; return all of them as lines."""
+    """Draw computed lines and measured dots; return all of them as lines."""
     lines = chart.fill(scene.lines, scene.over_time)
     if dots is None:
         chart.clear(MEASURED)
         return lines
     chart.put(MEASURED, **xy(*dots))
-    chart.told["sources"] = [[MEASURED, chart.sources[MEASURED], "x", "y"], *chart.told["sources"]]
+    chart.cursor_data["sources"] = [[MEASURED, chart.sources[MEASURED], "x", "y"], *chart.cursor_data["sources"]]
     return {MEASURED: dots, **lines}
 
 
-def names_of(chart: RunLines, lines: Mapping[str, Curve], told: Mapping[str, str], at_end: bool = False) -> list[Name]:
+def line_names(
+    chart: RunLines, lines: Mapping[str, Curve], texts: Mapping[str, str], at_end: bool = False
+) -> list[Name]:
     """Return the names of lines and dots, the optimum's first."""
     tokens = chart.palette.tokens
-    return [Name(name, told.get(name, name), tokens[NAME_TOKENS[name]], at_end) for name in reversed(list(lines))]
+    return [Name(name, texts.get(name, name), tokens[NAME_TOKENS[name]], at_end) for name in reversed(list(lines))]
 
 
 def draw_speeds(chart: RunLines, scene: RunsScene) -> None:
@@ -94,17 +96,17 @@ def draw_speeds(chart: RunLines, scene: RunsScene) -> None:
     speeds = run.recording.speed_ms * run.placement.scale / MS_PER_KMH
     lines = fill_all(chart, scene, scene.dots(run.recording.time_s, run.position_m, speeds))
     limits = limits_of(run.scenario)
-    chart.set_range(0, HEADROOM * max(float(limits[1].max()), ends_of(lines.values())[1]))
+    chart.set_range(0, HEADROOM * max(float(limits[1].max()), data_range(lines.values())[1]))
     # over time, a limit holds while the measured train is on its stretch
     modelled = run.modelled
     x = np.interp(limits[0], modelled.position_m, modelled.time_s) if scene.over_time else limits[0]
     steps = draw_limits(chart, x, limits[1])
     signs = _draw_signs(chart, x, limits[1])
-    chart.place_names({**lines, "limit": steps}, names_of(chart, lines, {}), signs)
+    chart.place_names({**lines, "limit": steps}, line_names(chart, lines, {}), signs)
 
 
 def _draw_signs(chart: RunLines, borders: FloatArray, limits: FloatArray) -> list[Box]:
-    """Write the limits where there is room, and return where they stand."""
+    """Write the limits where there is space, and return their boxes."""
     frame, texts = chart.frame_now, [f"limit {words.number(limit, 0)}" for limit in limits]
     room = np.diff(frame.x_px(borders))
     signs = [
@@ -118,7 +120,7 @@ def _draw_signs(chart: RunLines, borders: FloatArray, limits: FloatArray) -> lis
 
 
 def draw_energies(chart: RunLines, scene: RunsScene) -> None:
-    """Draw energy so far; between the model's and the optimum's lies what could be saved."""
+    """Draw the energy so far; the potential saving lies between the model's line and the optimum's."""
     known = energy_so_far(scene.run)
     dots = None
     if known is not None:
@@ -127,8 +129,8 @@ def draw_energies(chart: RunLines, scene: RunsScene) -> None:
     lines = fill_all(chart, scene, dots)
     _tint(chart, lines)
     chart.fit(lines)
-    told = {name: f"{name} {words.energy(float(y[-1]))}" for name, (_, y) in lines.items()}
-    chart.place_names(lines, names_of(chart, lines, told, at_end=True))
+    texts = {name: f"{name} {words.energy(float(y[-1]))}" for name, (_, y) in lines.items()}
+    chart.place_names(lines, line_names(chart, lines, texts, at_end=True))
 
 
 def _tint(chart: RunLines, lines: Mapping[str, Curve]) -> None:

@@ -1,4 +1,4 @@
-"""The tab of recorded runs: what one cost, what it could have cost, and which train fits all of them."""
+"""The tab of recorded runs: energy of a run, potential saving, and the train that fits all of them."""
 
 from typing import Any
 
@@ -52,13 +52,19 @@ BUTTON: dict[str, Any] = {"variant": "outlined", "size": "small", "height": 30, 
 class RunsTab(LineTab):
     """The recorded runs among the files."""
 
-    answers = param.Dict(default={}, doc="What columns mean, by their names: a quantity and a unit, or nothing.")
+    answers = param.Dict(default={}, doc="Meanings of columns by their names: a quantity and a unit, or nothing.")
     begins_at_m = TypedNumber(
-        "Begins at, m", "m", 0, default=None, allow_None=True, bounds=(0.0, 1e6), doc="Where the runs begin; found."
+        "Begins at, m",
+        "m",
+        0,
+        default=None,
+        allow_None=True,
+        bounds=(0.0, 1e6),
+        doc="Start of the runs; found if empty.",
     )
     shown = param.String(default="", doc="Name of the run that is shown; the last one where there is none of it.")
     coasting_only = param.Boolean(default=False, doc="Fit only samples without effort.")
-    measured = result(Measured, "What came of the runs so far.")
+    measured = result(Measured, "The runs on their line so far.")
 
     @property
     def runs(self) -> tuple[RunFile, ...]:
@@ -140,7 +146,7 @@ class RunsTab(LineTab):
             self.open_on("Compare")
 
     def turn_pin(self, *_: Any) -> None:
-        """Pin the run, or let go of it."""
+        """Pin the run, or unpin it."""
         pin = self._pin_of_run()
         if pin is not None:
             self.desk.unpin(pin)
@@ -148,7 +154,7 @@ class RunsTab(LineTab):
             self.desk.pin_measured(self.run)
 
     def _pin_of_run(self) -> Pin | None:
-        return None if self.run is None else self.desk.pin_of(self.run.trajectory)
+        return None if self.run is None else self.desk.find_pin(self.run.trajectory)
 
     # ---- what it shows
 
@@ -213,7 +219,7 @@ class RunsTab(LineTab):
             self._show_run(measured, self.run)
 
     def _show_columns(self, read: ReadRun) -> None:
-        """Show what the columns mean: all of them while something is asked or wrong, else in one line."""
+        """Show the meanings of the columns: all while there is a question or an error, else in one line."""
         opened = bool(read.doubts) or read.run is None
         self.card.view.visible = opened or self._unfolded
         self.change.visible = not opened

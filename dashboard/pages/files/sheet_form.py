@@ -1,4 +1,4 @@
-"""The form of a data sheet: its values make a train, and what it leaves open is assumed."""
+"""The form of a data sheet: its values make a train, and missing values are assumed."""
 
 import json
 import re
@@ -55,12 +55,12 @@ class SheetForm:
         self.button = pmui.Button(
             label="Make train", variant="outlined", size="small", margin=(4, 0, 8, 0), on_click=self.make
         )
-        note = parts.html_pane(f"<p class=note>{ABOUT}</p>")
+        note = parts.html_pane(parts.note_paragraphs([ABOUT]))
         content = parts.stack(note, parts.stack(*self.widgets.values(), css=GRID_CSS), self.refused, self.button)
         self.view = pmui.Accordion((TITLE, content), **FOLD)
 
     def make(self, *_: Any) -> None:
-        """Bring the sheet as a file, or say at the fields or above the button why not."""
+        """Add the sheet as a file, or show errors at the fields or above the button."""
         values, is_refused = dict[str, Any](), False
         for name, field in self.fields.items():
             widget, text = self.widgets[name], str(self.widgets[name].value or "").strip()

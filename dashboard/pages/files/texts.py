@@ -70,7 +70,7 @@ SHOWN: Mapping[str, tuple[str, float, int]] = {
 
 
 def subtitle(measured: Measured) -> str:
-    """Return which run is shown."""
+    """Return the name of the shown run."""
     read = measured.shown
     count = len(read.file.cells.rows)
     rows = f"{words.number(count, 0)} row{'' if count == 1 else 's'}"
@@ -80,7 +80,7 @@ def subtitle(measured: Measured) -> str:
 
 
 def _part_words(run: MeasuredRun | None) -> str:
-    """Return on which part of its line a run lies, if not on all of it."""
+    """Return the part of its line that a run covers, if it is not all of it."""
     if run is None or run.placement.is_whole_line:
         return ""
     place = run.placement
@@ -116,19 +116,19 @@ def _saved(run: MeasuredRun, saving: Saving | None, refusal: str) -> Markup:
     proof = [Markup("<span class=proven>\u2713 proven for the modelled train</span>")] if is_proven else []
     less = f"{words.energy(saving.possible_kwh)} kWh less in {words.time(run.recording.duration_s)} s"
     detail = joined([interval, *proof, less], Markup("<br>"))
-    whole = "Of the modelled energy: the same model tells both, so that most of its error cancels"
+    whole = "Share of the modelled energy: both energies come from the same model, so most of its error cancels"
     return parts.figure("Potential saving", amount.size, amount.unit, detail, "main", whole=whole)
 
 
 def _energies(run: MeasuredRun, saving: Saving | None) -> list[Markup]:
     measured, error = run.measured_kwh, model_error(run)
     how = "by the energy meter" if run.recording.energy_j is not None else "power summed over time"
-    told = "the file has no power or energy" if measured is None else how
+    source = "the file has no power or energy" if measured is None else how
     against = "by the scenario\u2019s train" if error is None else f"{words.share_difference(error)} % against measured"
     cells = [
-        parts.figure("Measured", words.UNKNOWN, "", told)
+        parts.figure("Measured", words.UNKNOWN, "", source)
         if measured is None
-        else parts.figure("Measured", words.energy(measured), "kWh", told),
+        else parts.figure("Measured", words.energy(measured), "kWh", source),
         parts.figure("Modelled", words.energy(run.modelled.energy_kwh), "kWh", against),
     ]
     if saving is None:
@@ -145,17 +145,17 @@ def _power(run: MeasuredRun) -> Markup:
 
 
 def columns_line(read: ReadRun) -> str:
-    """Return how many columns are used."""
+    """Return the number of used columns."""
     asked = {doubt.header for doubt in read.doubts}
     used = [header for header, meaning in read.meanings.items() if meaning.quantity and header not in asked]
     return f"{len(used)} of {len(read.meanings)} columns used"
 
 
 def where_block(measured: Measured) -> Markup:
-    """Return where the shown run lies on the line, and what was done to its file."""
+    """Return the stretch of the shown run on the line, and the notes on its file."""
     read = measured.shown
     unused = [header for header, meaning in read.meanings.items() if not meaning.quantity]
-    told = [*read.notes, *([f"Columns not used: {', '.join(unused)}."] if unused else [])]
+    notes = [*read.notes, *([f"Columns not used: {', '.join(unused)}."] if unused else [])]
     place = ""
     if read.run is not None:
         start, end = read.run.placement.start_m, read.run.placement.end_m
@@ -163,14 +163,14 @@ def where_block(measured: Measured) -> Markup:
         of = f" of the line {line}" if line else " of the scenario\u2019s line"
         place = f"{words.number(start, 0)} m to {words.number(end, 0)} m{of}"
     return markup(
-        "<div class=block><h2>Where it ran <span class='muted small'>{}</span></h2>{}</div>",
+        "<div class=block><h2>Stretch of the line <span class='muted small'>{}</span></h2>{}</div>",
         place,
-        parts.note_paragraphs(told),
+        parts.note_paragraphs(notes),
     )
 
 
 def fit_block(measured: Measured) -> Markup:
-    """Return the fit of a request, or what is known of it so far."""
+    """Return the fit of a request, or its present state."""
     runs = measured.runs
     minutes = sum(run.recording.duration_s for run in runs) / 60
     count = f"{len(runs)} run{'' if len(runs) == 1 else 's'}, {words.number(minutes, 1)} min" if runs else ""
@@ -206,20 +206,20 @@ def _row(fit: Fit, parameter: Parameter, is_warm: bool) -> tuple[str, ...]:
     )
 
 
-def _bar(parameter: Parameter, now: float, is_warm: bool, told: str) -> Markup:
+def _bar(parameter: Parameter, now: float, is_warm: bool, label: str) -> Markup:
     """Return interval and value as a bar and a dot, the scenario's value as a tick."""
     ends = (parameter.low, parameter.value, parameter.high, now)
     first, length = min(ends), max(max(ends) - min(ends), 1e-12)
     low, value, high, tick = (EDGE + (100 - 2 * EDGE) * (one - first) / length for one in ends)
     return markup(
         # shares of the width, so that it may be as wide as its place and the dot stays round
-        "<svg width='{width}' height='18' role='img' aria-label='value now in the scenario: {told}'>"
+        "<svg width='{width}' height='18' role='img' aria-label='value now in the scenario: {label}'>"
         "<rect y='8.5' width='100%' height='1' fill='var(--rj-line)'/>"
         "<rect x='{low}%' y='6' width='{wide}%' height='6' rx='3' fill='{colour}' fill-opacity='.35'/>"
         "<circle cx='{value}%' cy='9' r='4' fill='{colour}'/>"
         "<rect x='{tick}%' y='2' width='2' height='14' fill='var(--rj-ink)'/></svg>",
         width=BAR_PX,
-        told=told,
+        label=label,
         low=f"{low:.1f}",
         wide=f"{max(high - low, 1.0):.1f}",
         value=f"{value:.1f}",
@@ -229,8 +229,8 @@ def _bar(parameter: Parameter, now: float, is_warm: bool, told: str) -> Markup:
 
 
 def _sentences(measured: Measured, fit: Fit) -> Markup:
-    warm = joined(markup("<p class=note><span class=warm>{}</span></p>", told) for told in fit_sentences(fit))
-    told = [
+    warm = joined(markup("<p class=note><span class=warm>{}</span></p>", one) for one in fit_sentences(fit))
+    sentences = [
         "Running resistance is A + B v + C v\u00b2. The tick is the value now in the scenario. Simulated and measured "
         f"speed differ by {words.number(fit.residual_ms / MS_PER_KMH, 2)} km/h (root mean square).",
         fit.assumed,
@@ -238,7 +238,7 @@ def _sentences(measured: Measured, fit: Fit) -> Markup:
     run = measured.shown.run
     if run is not None and run.measured_kwh and measured.refitted_kwh is not None:
         after, before = (kwh / run.measured_kwh - 1 for kwh in (measured.refitted_kwh, run.modelled.energy_kwh))
-        told.append(
+        sentences.append(
             f"Error in the energy of {measured.shown.file.name} with the fitted train: {words.share_difference(after)} "
             f"%, with the scenario\u2019s: {words.share_difference(before)} %."
         )
@@ -248,5 +248,5 @@ def _sentences(measured: Measured, fit: Fit) -> Markup:
         if one.energy_error is not None
     ]
     if held:
-        told.append(f"Error in the energy of each run by a fit to the others alone: {', '.join(held)}.")
-    return warm + parts.note_paragraphs(told)
+        sentences.append(f"Error in the energy of each run by a fit to only the others: {', '.join(held)}.")
+    return warm + parts.note_paragraphs(sentences)

@@ -23,7 +23,7 @@ KEYS = (
 """The keys and their uses; letters, digits and signs only while nothing is typed."""
 PROOF = (
     (
-        "What is proven",
+        "The lower bound",
         "The solver finds a run, and separately a lower bound: no way of driving this train over this line in this "
         "time uses less energy, whatever the driver does and wherever. A tick marks a run as proven: it lies above the "
         "bound by at most the tolerance of the scenario, 0.05 % unless set otherwise, and counts as the optimum.",
@@ -40,7 +40,7 @@ PROOF = (
         "the gap is the most that another run could still save. Such a run is called the best known, not the optimum.",
     ),
     (
-        "Where the bound tightens",
+        "A tighter bound",
         "A drive with idle losses takes power as soon as it is on, and the first bound of a slow run is loose. On "
         "Drive a second one follows half a second later, for runs over the cells of one mesh with one effort in each; "
         "Prove further continues, and the bound never falls. The sentence below the numbers states both bounds.",
@@ -52,7 +52,7 @@ PROOF = (
         "length stays as set. Both, the longest cell and the tolerance, are under Strategy options.",
     ),
     (
-        "What a proof does not cover",
+        "Limits of a proof",
         "It holds for the model: for this vehicle, line and timetable as entered. The sentence below the numbers on "
         "Drive states what the bound assumes of the powertrain. Other strategies are compared with the proven run.",
     ),
@@ -111,7 +111,7 @@ def limits_html() -> Markup:
     """Write the table of limits."""
     row = "<tr><td>{}</td><td>{}</td><td>{}</td></tr>"
     rows = joined(markup(row, limit.of, limit.page, limit.library) for limit in limits())
-    note = "What takes more is refused in a sentence before anything is computed: all visitors share this server."
+    note = "Larger requests are refused in a sentence before anything is computed: all visitors share this server."
     template = (
         '<details><summary><h2 id="limits">Limits</h2></summary>{}<table class="limits"><thead><tr><th>Of</th>'
         "<th>On this page</th><th>In a terminal</th></tr></thead><tbody>{}</tbody></table></details>"

@@ -41,7 +41,7 @@ class Answer(NamedTuple):
     because: str
 
 
-def answer_of(lesson: Lesson, result: LessonResult) -> Answer:
+def find_answer(lesson: Lesson, result: LessonResult) -> Answer:
     """Return the answer to the question of a lesson."""
     first, second = result.runs.values()
     fields = {"later": words.number(off_m(first) - off_m(second), 0)}
@@ -58,19 +58,19 @@ def answer_of(lesson: Lesson, result: LessonResult) -> Answer:
 
 
 def motors_off_m(run: Trajectory) -> float | None:
-    """Return where the motors of a run are switched off for the last time [m]; None where they never are."""
+    """Return the position at which the motors of a run are switched off for the last time [m]; None if never."""
     # a run may also coast for a moment where it has reached the speed that it then holds
     return next((phase.start_m for phase in reversed(run.phases) if phase.phase == "coast"), None)
 
 
 def off_m(run: Trajectory) -> float:
-    """Return where a run ceases to use its motors [m]: one that does not coast drives until it brakes."""
+    """Return the position at which a run stops using its motors [m]; without coasting, that is the braking point."""
     off = motors_off_m(run)
     return run.phases[-1].start_m if off is None else off
 
 
 def braked_away_kwh(run: Trajectory) -> float:
-    """Return what a run loses in its brakes [kWh]."""
+    """Return the energy that a run loses in its brakes [kWh]."""
     return sum(run.energy.losses_j.get(kind, 0.0) for kind in BRAKES) / J_PER_KWH
 
 

@@ -1,4 +1,4 @@
-"""The lesson that is driven: the meshed line that the browser drives on, and how a try compares with the optimum."""
+"""The lesson that is driven: the meshed line for the browser, and the comparison of a try with the optimum."""
 
 from functools import cache
 from typing import Any
@@ -29,7 +29,7 @@ LESSON_CHANGES = {"solver.mesh_m": 2.0}
 """A command holds for whole cells: of two metres, a tenth of a second at 72 km/h."""
 TRIES = 3
 DID = ("kept power", "coasted", "braked")
-"""What a driver did, by the number of the command."""
+"""Words for the action of a driver, by the number of the command."""
 DOES = {
     "full_power": "it uses full power",
     "part_power": "it uses part power",
@@ -38,7 +38,7 @@ DOES = {
     "brake": "it brakes",
     "stand": "it stands",
 }
-"""What the best run does, by the name of the phase."""
+"""Words for the action of the best run, by the name of the phase."""
 HERE = "From {place} m on you differ from the best run: {does}."
 THERE = "You {did} to {place} m: there you are {speed} km/h {faster} and have used {energy} kWh {more}."
 
@@ -63,7 +63,7 @@ def driven_run(text: str) -> Trajectory:
 
 
 def begin(text: str) -> dict[str, Any]:
-    """Return what the browser begins with: the line, and the run of a link to race; errors as `read_commands`."""
+    """Return the initial data of the browser: the line, and the run of a link to race; errors as `read_commands`."""
     scenario, mesh = lesson()
     run = driven_run(text) if text else None
     ghost = run and {"times": run.time_s.tolist(), "speeds": run.speed_ms.tolist()}
@@ -71,7 +71,7 @@ def begin(text: str) -> dict[str, Any]:
 
 
 def judge(text: str) -> Verdict:
-    """Return how a try compares with the optimum; errors as `read_commands`."""
+    """Return the comparison of a try with the optimum; errors as `read_commands`."""
     scenario, mesh = lesson()
     commands, run, best = read_commands(text, mesh.cell_count), driven_run(text), best_run()
     node = parting_node(run, best)
@@ -81,7 +81,7 @@ def judge(text: str) -> Verdict:
 
 
 def _parting_words(run: Trajectory, best: Trajectory, commands: IntArray, node: int) -> tuple[str, str]:
-    """Return where two runs part first, and what each does there."""
+    """Return sentences on the first difference of two runs: its position, and the action of each run there."""
     # at the end of the cell, as a border between phases may lie within it
     phase = next(phase for phase in best.phases if phase.end_m >= run.nodes_m[node + 1])
     others = np.flatnonzero(commands[node:] != commands[node])

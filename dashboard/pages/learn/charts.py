@@ -18,7 +18,7 @@ from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import AnyPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult
@@ -29,7 +29,7 @@ LINES: Mapping[str, Line] = {
     "first": Line("optimal", {"line_width": 2.6}),
 }
 WORTH_ENDS = (-0.7, 2.3)
-"""What of the phase plane is shown: near rest the worth of motion grows beyond all bounds."""
+"""Ends of the axis of the phase plane: near rest the value of kinetic energy grows beyond all bounds."""
 STEEPEST_SHARE = 0.03
 # the largest speed of metro-81-7036, the vehicle of the lessons
 MOST_KMH = 80.0
@@ -38,15 +38,15 @@ HEADROOM = 1.12
 
 
 def draw_speeds(chart: RunLines, result: LessonResult, revealed: bool = True) -> None:
-    """Draw both runs, or the second alone as long as the first is to be guessed."""
+    """Draw both runs, or only the second one as long as the first is to be guessed."""
     names = dict(zip(("first", "second"), result.runs, strict=False))
     if not revealed:
         del names["first"]
     runs = {line: result.runs[name] for line, name in names.items()}
     chart.axis.fit(max(run.position_m[-1] for run in runs.values()), roomy=False)
-    _, high = ends_of(chart.fill(runs).values())
+    _, high = data_range(chart.fill(runs).values())
     chart.set_range(0, HEADROOM * high)
-    chart.told["sources"] = [chart.read(line, name) for line, name in names.items()]
+    chart.cursor_data["sources"] = [chart.read(line, name) for line, name in names.items()]
 
 
 def make_speed_plot(lesson: Lesson) -> RunPlot:
@@ -85,7 +85,7 @@ def price_curves(result: LessonResult, frontier: Frontier) -> tuple[dict[str, Cu
 
 
 class PhasePlaneChart(LoneChart):
-    """What a joule of motion is worth over speed: above, between and below two lines the driver does other things."""
+    """Value of a joule of kinetic energy over speed; two curves separate the three driving regimes."""
 
     kind = "map"
     look: Mapping[str, Any] = {"ticks": 4, "digits": 1, "x_title": SPEED.words, "y_title": "Worth, J"}

@@ -1,4 +1,4 @@
-"""The part of the page with the class: its link and what has come to it, or for a student the name."""
+"""The part of the page with the class: its link and results, or for a student the name."""
 
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from railjoule.dashboard.limits import LONGEST_NAME, MOST_STUDENTS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import lesson_css, parts_css
-from railjoule.dashboard.pages.learn.answers import answer_of
+from railjoule.dashboard.pages.learn.answers import find_answer
 from railjoule.dashboard.pages.learn.by_hand import best_run
 from railjoule.dashboard.pages.learn.classroom import Classroom, Student
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
@@ -127,14 +127,14 @@ class ClassView:
         page = self.page
         lesson = next(one for one in LESSONS if one.name == page.class_lesson)
         result = (page.lessons or {}).get(lesson.name)
-        answer = answer_of(lesson, result).number if result is not None and page.class_best else np.nan
+        answer = find_answer(lesson, result).number if result is not None and page.class_best else np.nan
         guesses = list_guesses(classroom, lesson, float(getattr(page, lesson.name)))
         chart = page.host.plots[CLASS_GUESSES.name]
         chart.show(partial(draw_histogram, chart, lesson, guesses, answer))
 
 
 def draw_histogram(chart: CurveChart, lesson: Lesson, guesses: list[float], answer: float) -> None:
-    """Draw how many guesses lie where, and the answer; NaN for none."""
+    """Draw the histogram of the guesses, and the answer; NaN for none."""
     edges, counts = histogram(guesses, lesson)
     ends = (0.0, float(max(counts.max() + 1, LEAST_HEIGHT)))
     chart.draw({"guesses": as_steps(edges, counts)}, {"answer": answer}, lesson.guess_ends, ends)

@@ -82,7 +82,7 @@ class Watcher:
         return context is None or not context.destroyed
 
     def tell(self) -> None:
-        """Let the page draw in a turn of its own, once for all that comes until then."""
+        """Schedule one drawing of the page for all results until then."""
         if self.document is None:
             self.act()
         elif not self.is_due:
@@ -120,7 +120,7 @@ class Classroom:
         return self._now() - self._seen_s > MOST_AWAY_S
 
     def tell(self) -> None:
-        """Tell all lecturers' pages that something has come."""
+        """Notify all lecturers' pages of a new result."""
         for watcher in self.watchers:
             watcher.tell()
 

@@ -1,4 +1,4 @@
-"""What the lessons of Learn show: small scenarios of our own, solved again for each position of a slider."""
+"""Results of the lessons of Learn: small scenarios that are solved again for each position of a slider."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -30,7 +30,7 @@ class LessonRequest:
 
 @dataclass(frozen=True, eq=False)
 class LessonResult:
-    """What one lesson shows.
+    """The results of one lesson.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class LessonResult:
     frontier : Frontier or None
         Energy over travel time.
     steady : SteadySpeeds or None
-        What the multiplier gives on level track.
+        Speeds on level track that follow from the multiplier.
     plane : tuple of PhaseCurve
         The run in the phase plane.
     """
@@ -53,7 +53,7 @@ class LessonResult:
 
     @property
     def saved_share(self) -> float:
-        """What the first run needs less than the second, as a share of the second."""
+        """Energy saved by the first run against the second, as a share of the second."""
         first, second, *_ = (run.energy_kwh for run in self.runs.values())
         return -share_above(first, second)
 
@@ -137,4 +137,4 @@ LESSONS: Mapping[str, Callable[[LessonRequest], LessonResult]] = {
     "gradient": _gradient,
     "load": _load,
 }
-"""What computes each lesson, in the order in which they are read."""
+"""Functions that compute the lessons, in reading order."""

@@ -36,7 +36,7 @@ PACE, SAME_PACE = "{speed} km/h {faster} on average", "as fast on average"
 
 
 def begin(text: str) -> dict[str, Any]:
-    """Return what the browser begins with: the line, and a drawing at the limit or that of a link.
+    """Return the initial data of the browser: the line, and a drawing at the limit or from a link.
 
     Raises
     ------
@@ -70,29 +70,29 @@ def read_drawing(text: str) -> tuple[int, ...]:
     return speeds
 
 
-def run_of(speeds_kmh: Sequence[int]) -> Trajectory:
-    """Return the run beneath a drawing."""
+def drive_drawing(speeds_kmh: Sequence[int]) -> Trajectory:
+    """Return the run below a drawing."""
     scenario, mesh = drawing_lesson()
     places = np.linspace(0.0, float(mesh.position_m[-1]), len(speeds_kmh))
     return drive_drawn(scenario, mesh, np.interp(mesh.position_m, places, speeds_kmh) * MS_PER_KMH)
 
 
 def judge(text: str) -> Verdict:
-    """Return how a drawing compares with the best run that arrives in time, or with it, where it is late.
+    """Compare a drawing with the best run that arrives in time, or as late as the drawing.
 
     Raises
     ------
     ScenarioError
         If the text is no drawing.
     """
-    run = run_of(read_drawing(text))
+    run = drive_drawing(read_drawing(text))
     best = solve(compared_scenario(run))
     return compare(("drawn", text), run, best, TARGET_S, tuple(stretches(run, best)))
 
 
 def opened(text: str) -> Scenario:
     """Return the scenario in which the best run beside a drawing is found; errors as `judge`."""
-    return compared_scenario(run_of(read_drawing(text)))
+    return compared_scenario(drive_drawing(read_drawing(text)))
 
 
 def compared_scenario(run: Trajectory) -> Scenario:
@@ -101,7 +101,7 @@ def compared_scenario(run: Trajectory) -> Scenario:
 
 
 def stretches(run: Trajectory, best: Trajectory) -> list[str]:
-    """Return a sentence on each stretch of the best run: what it does, why, and what one did there."""
+    """Return a sentence on each stretch of the best run: its action, the reason, and the action of the drawing."""
     joined: list[tuple[PhaseName, float, float]] = []
     for phase in best.phases:
         if joined and (phase.phase == joined[-1][0] or phase.end_m - phase.start_m < SHORT_SHARE * best.distance_m):

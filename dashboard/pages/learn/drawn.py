@@ -165,7 +165,7 @@ class DrawSpeed:
         self._set(tuple(given["points"]))
 
     def refuse(self) -> None:
-        """Let one go on after something that could not be judged."""
+        """Accept input again after a failed verdict."""
         self._tell("")
 
     def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:

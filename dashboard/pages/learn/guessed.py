@@ -1,4 +1,4 @@
-"""One of the five lessons with live figures: a question first, then the optimum over what it is compared with."""
+"""One of the five lessons with live figures: first a question, then the optimum with the run to compare."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import lesson_css, parts_css
 from railjoule.dashboard.look.words import PHASE_WORDS
-from railjoule.dashboard.pages.learn.answers import Answer, answer_of, cells, compared_cells, energy_table
+from railjoule.dashboard.pages.learn.answers import Answer, cells, compared_cells, energy_table, find_answer
 from railjoule.dashboard.pages.learn.charts import FIGURES, PRICE, price_curves
 from railjoule.dashboard.pages.learn.compute import LessonResult
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
@@ -93,7 +93,7 @@ class GuessedLesson:
             return
         best, compared, *_ = result.runs
         runs = result.runs if guess is not None else {compared: result.runs[compared]} if lesson.compared else {}
-        self.outcome.object = "" if guess is None else guess_html(lesson, guess, answer_of(lesson, result))
+        self.outcome.object = "" if guess is None else guess_html(lesson, guess, find_answer(lesson, result))
         shown = cells(lesson, result) if guess is not None else compared_cells(lesson, result) if runs else ()
         self.figures.object = parts.figures(shown) if shown else ""
         self.along.visible = bool(lesson.bars and runs)
@@ -119,7 +119,7 @@ class GuessedLesson:
                 self.page.host.draw([plot], curves, x_ends=x_ends, y_ends=y_ends)
 
     def _explain(self, revealed: bool) -> None:
-        """Have the explanation on the page, or nothing of it: not only out of sight."""
+        """Add the explanation to the page, or remove it completely instead of hiding it."""
         lesson = self.lesson
         self.text.object = markup("<p>{}</p>", lesson.text) if revealed else ""
         tried = "<p class=try>Try: {}</p><details><summary>Answer</summary><p>{}</p></details>"
@@ -131,7 +131,7 @@ class GuessedLesson:
                 forget(chart)
 
     def _press(self, *_: Any) -> None:
-        """Take what stands in the field for the guess, or take the guess back."""
+        """Take the number of the field as the guess, or take the guess back."""
         lesson, page = self.lesson, self.page
         setattr(page, lesson.guess, getattr(page, lesson.draft) if getattr(page, lesson.guess) is None else None)
 
@@ -144,7 +144,7 @@ class GuessedLesson:
 
 
 def forget(chart: Chart) -> None:
-    """Empty all that a chart draws, on the page too."""
+    """Clear all data of a chart, on the page too."""
     chart.waiting = None
     for name, source in chart.sources.items():
         chart.put(name, **{column: [] for column in source.data})

@@ -17,7 +17,7 @@ from railjoule.dashboard.pages.learn.charts import FIGURES
 from railjoule.dashboard.pages.learn.class_view import CLASS_GUESSES, CLASS_RUNS, ClassView
 from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Classroom, Watcher
 from railjoule.dashboard.pages.learn.compute import compute_lessons
-from railjoule.dashboard.pages.learn.drawing import POINTS, run_of
+from railjoule.dashboard.pages.learn.drawing import POINTS, drive_drawing
 from railjoule.dashboard.pages.learn.drawn import DRAWN_PLOTS, DrawSpeed
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
@@ -61,8 +61,8 @@ class Learn(Page):
     driven = param.String(default="", doc="Commands of the last run that was driven by hand, such as p0c300b2200.")
     shared = param.String(default="", doc="The last distribution that was judged, such as uneven:20,20,20.")
     drawn = param.String(default="", doc="The last drawing that was judged: speeds in km/h with commas between.")
-    begun = result(dict, "What the lessons that are played begin with.")
-    asked = param.Tuple(default=None, allow_None=True, length=3, doc="What is to be judged: field, text, count.")
+    begun = result(dict, "Initial data of the lessons that are played.")
+    asked = param.Tuple(default=None, allow_None=True, length=3, doc="The try to be judged: field, text, count.")
     verdict = result(Verdict, "The last verdict.")
     sketch = param.Tuple(default=None, allow_None=True, length=POINTS, doc="The drawing: speeds at its points [km/h].")
     sketched = result(Trajectory, "The run below the drawing.")
@@ -91,8 +91,8 @@ class Learn(Page):
             '        print(f"{lesson}, {name}: {run.energy_kwh} kWh")\n'
         )
         program = Program({"LessonRequest": MODULE, "compute_lesson": MODULE}, body, "", of_scenario=False)
-        untold = "The lessons have scenarios of their own, which no command runs."
-        return PageRun(program, {"strategy": self.desk.chosen_now}, untold)
+        program_note = "The lessons have scenarios of their own, which no command runs."
+        return PageRun(program, {"strategy": self.desk.chosen_now}, program_note)
 
     # ---- what it computes
 
@@ -116,7 +116,7 @@ class Learn(Page):
 
     @work("sketch", into="sketched")
     def _drive_sketch(self) -> Request:
-        return self.sketch and (run_of, self.sketch)
+        return self.sketch and (drive_drawing, self.sketch)
 
     def hear(self, field: str, what: str, text: str) -> None:
         """Take what the browser reports of a lesson that is played."""
@@ -128,7 +128,7 @@ class Learn(Page):
             self._open(field, text)
 
     def _note(self, *_: Any) -> None:
-        """Keep what was judged, count a try, and send it to the class."""
+        """Save a verdict, count the try, and send it to the class."""
         verdict = self.verdict
         if verdict is None:
             return
@@ -138,7 +138,7 @@ class Learn(Page):
         self.param.update(**{verdict.field: verdict.text})
 
     def _open(self, field: str, text: str) -> None:
-        """Open what was played on the page that goes on with it, or tell why it cannot be."""
+        """Open a played run on the page that continues with it, or show the reason against it."""
         desk = self.desk
         try:
             if field == "driven":
@@ -162,7 +162,7 @@ class Learn(Page):
         return CLASSES.find_taught(self.class_key)
 
     def open_class(self, *_: Any) -> None:
-        """Open a class, or tell why there is none."""
+        """Open a class, or show the reason against it."""
         try:
             self.param.update(class_key=CLASSES.open().key, class_refusal="")
         except ClassError as error:
@@ -196,7 +196,7 @@ class Learn(Page):
                 self._send(lambda joined, guess=guess: joined.take_guess(self.class_student, *guess))
 
     def _send(self, send: Any) -> None:
-        """Send something to the class that was joined, or tell why it is not sent."""
+        """Send something to the class that was joined, or show the reason against it."""
         if not self.class_token:
             return
         try:
@@ -208,7 +208,7 @@ class Learn(Page):
     # ---- what it shows
 
     def is_over_time(self, axis: str) -> bool:
-        """Return whether an axis is one of times: those of the lessons are of places."""
+        """Return that no axis is one of times: the axes of the lessons show positions."""
         return False
 
     def layout(self) -> Viewable:

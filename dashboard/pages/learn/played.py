@@ -22,7 +22,7 @@ Begun = dict[str, Any]
 
 
 def begin_all(texts: Mapping[str, str]) -> Iterator[Begun]:
-    """Yield what the lessons begin with, one more at each step; under `refused` why a link's text cannot be taken."""
+    """Yield the initial data of the lessons, one more at each step; `refused` has errors in a link's text."""
     begun: Begun = {"refused": None}
     for field, lesson in PLAYED.items():
         try:
@@ -33,7 +33,7 @@ def begin_all(texts: Mapping[str, str]) -> Iterator[Begun]:
 
 
 def judge(field: str, text: str, _count: int) -> Verdict:
-    """Return the verdict on what was played in a lesson; the count makes equal requests differ."""
+    """Return the verdict on a try in a lesson; the count makes equal requests differ."""
     verdict: Verdict = PLAYED[field].judge(text)
     return verdict
 
@@ -50,8 +50,8 @@ class Played(Form):
     """
 
     title = param.String(default="", doc="Its heading.")
-    text = param.String(default="", doc="What is to be done.")
-    given = param.Dict(default={}, doc="What it begins with.")
+    text = param.String(default="", doc="The task of the lesson.")
+    given = param.Dict(default={}, doc="Initial data of the lesson.")
     verdict = param.Dict(default={}, doc="How what was played compares with the best; empty before the first time.")
     refusals = param.Integer(default=0, doc="Counts what could not be judged.")
     lead = param.String(default="", doc="The lesson that a link leads to.")
@@ -76,7 +76,7 @@ class Played(Form):
         self.given = given
 
     def refuse(self) -> None:
-        """Let one go on after something that could not be judged."""
+        """Accept input again after a failed verdict."""
         self.refusals += 1
 
     def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:

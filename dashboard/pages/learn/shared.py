@@ -89,7 +89,7 @@ class ShareOut:
         self._lay(given["line"], tuple(given["seconds"]))
 
     def refuse(self) -> None:
-        """Let one go on after something that could not be judged."""
+        """Accept input again after a failed verdict."""
         self._tell("")
 
     def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:

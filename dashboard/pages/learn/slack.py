@@ -21,7 +21,7 @@ NAMES = ("Harbour", "Old Town", "University", "Hill")
 # assumed: the first line has one long leg between short ones, the second has legs nearly alike
 LENGTHS_M = {"uneven": (400.0, 2000.0, 600.0), "even": (1100.0, 1350.0, 1050.0)}
 SLACK_S, DWELL_S = 60, 25.0
-"""What there is to share out over the shortest times, and how long the train stands at each station between [s]."""
+"""Supplement to distribute over the shortest times, and dwell time at each intermediate station [s]."""
 LEAST_S = 1
 """No leg gets less, as the shortest time itself leaves nothing to choose."""
 MOST_S = SLACK_S - LEAST_S * (len(NAMES) - 2)
@@ -38,7 +38,7 @@ TOO_FEW = "{leg}: {seconds} s too few. Here one more second would save {price} W
 
 
 def begin(text: str) -> dict[str, Any]:
-    """Return what the browser begins with: both lines, and equal seconds on the first or the distribution of a link.
+    """Return the initial data of the browser: both lines, and equal seconds on the first or the distribution of a link.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def read_sharing(text: str) -> tuple[str, tuple[int, ...]]:
 
 
 @cache
-def task_of(name: str) -> Task:
+def leg_task(name: str) -> Task:
     """Return the task of a line, whose travel time leaves SLACK_S over the shortest times."""
     wide = _scenario(name, 3600.0)
     stops = stop_nodes(prepare_task(wide))
@@ -75,9 +75,9 @@ def task_of(name: str) -> Task:
     return prepare_task(_scenario(name, shortest + SLACK_S + DWELL_S * (len(NAMES) - 2)))
 
 
-def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
-    """Return a line whose given timetable is a sharing."""
-    task = task_of(name)
+def shared_scenario(name: str, seconds: tuple[int, ...]) -> Scenario:
+    """Return a line whose given timetable is a distribution."""
+    task = leg_task(name)
     shortest = shortest_times_s(task, stop_nodes(task))
     running = [float(least) + more for least, more in zip(shortest, seconds, strict=True)]
     arrivals = [time + k * DWELL_S for k, time in enumerate(accumulate(running))][:-1]
@@ -86,13 +86,13 @@ def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
 
 def opened(text: str) -> Scenario:
     """Return a line whose timetable is a distribution; errors as `judge`."""
-    return scenario_of(*read_sharing(text))
+    return shared_scenario(*read_sharing(text))
 
 
 @cache
 def line_tables(name: str) -> dict[str, Any]:
     """Return a line as the browser takes it: each leg's energy and price at each whole second of slack."""
-    task = task_of(name)
+    task = leg_task(name)
     dwells = DWELL_S * (len(NAMES) - 2)
     tables = leg_tables(task, range(LEAST_S, MOST_S + 1))
     # what the train takes while it stands is the same however the seconds are shared
@@ -108,16 +108,16 @@ def line_tables(name: str) -> dict[str, Any]:
 @cache
 def best_line(name: str) -> WholeLine:
     """Return the optimum of a line."""
-    return shared_line(task_of(name), "optimum")
+    return shared_line(leg_task(name), "optimum")
 
 
 def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
     """Return the run of least energy under a sharing."""
-    return shared_line(prepare_task(scenario_of(name, seconds)), "given")
+    return shared_line(prepare_task(shared_scenario(name, seconds)), "given")
 
 
 def judge(text: str) -> Verdict:
-    """Return how a distribution compares with the best one.
+    """Compare a distribution with the best one.
 
     Raises
     ------
@@ -147,10 +147,10 @@ def judge(text: str) -> Verdict:
 
 
 def _on_leg(mine: Leg, best: Leg) -> str:
-    """Return what a leg got and what the best sharing gives it."""
+    """Return a sentence that compares the supplement of a leg with the best one."""
     more = mine.supplement_s - best.supplement_s
-    told = AS_BEST if abs(more) < ALIKE_S else TOO_MANY if more > 0 else TOO_FEW
-    return told.format(
+    sentence = AS_BEST if abs(more) < ALIKE_S else TOO_MANY if more > 0 else TOO_FEW
+    return sentence.format(
         leg=f"{mine.departs_from} \u2013 {mine.arrives_at}",
         seconds=words.time(abs(more)),
         price=words.price(mine.price_of_time_w),
@@ -158,7 +158,7 @@ def _on_leg(mine: Leg, best: Leg) -> str:
 
 
 def _worth(share: float) -> str:
-    """Return what an equal supplement costs on a line, and whether a better distribution pays."""
+    """Return sentences on the cost of an equal supplement on a line, and on the use of a better distribution."""
     costs = f"An equal supplement costs {100 * share:.2f} % more than the best distribution"
     # as on the page Line: a load or a day's weather moves the energy by more
     if share >= 0.01:

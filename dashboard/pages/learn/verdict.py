@@ -1,4 +1,4 @@
-"""The verdict on what was played: how it compares with the best, for the browser and in sentences."""
+"""The verdict on a try: its comparison with the best run, for the browser and in sentences."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 BEYOND = {"losses": "Lost in motors and brakes", "resistance": "Lost to resistance", "auxiliary": "Auxiliaries"}
-"""The words of what a run spends for good."""
+"""Words for the energies that a run dissipates."""
 FASTER, MORE = ("faster", "slower"), ("more", "less")
 """Words of a difference of speed and of energy that is not negative, and of one that is."""
 # a second behind the decimal point is rounding of the last cells
@@ -69,7 +69,7 @@ class Verdict:
 def compare(
     played: tuple[str, str], run: Trajectory, best: Trajectory, asked_s: float, sentences: tuple[str, ...], **more: Any
 ) -> Verdict:
-    """Return how a run compares with the best one.
+    """Compare a run with the best one.
 
     Parameters
     ----------

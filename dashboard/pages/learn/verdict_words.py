@@ -1,4 +1,4 @@
-"""The verdict on what was played, in words: the result in one line, and what made the difference."""
+"""The verdict on a try in words: the result in one line, and the causes of the difference."""
 
 from collections.abc import Sequence
 
@@ -60,7 +60,7 @@ def details(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
         columns.append(markup("<h3>Your tries</h3><table>{}{}</table>", Markup(head), joined(rows)))
     if verdict.sentences:
         items = joined(markup("<li>{}</li>", sentence) for sentence in verdict.sentences)
-        columns.append(markup("<h3>{}</h3><ul>{}</ul>", "What makes the difference", items))
+        columns.append(markup("<h3>{}</h3><ul>{}</ul>", "Causes of the difference", items))
     if verdict.rows:
         lost = (markup("<tr><td>{}</td><td>{}</td></tr>", word, words.signed(kwh, 2)) for word, kwh in verdict.rows)
         columns.append(markup("<h3>{}</h3><table>{}</table>", PLAYED_TEXTS[verdict.field]["extra"], joined(lost)))

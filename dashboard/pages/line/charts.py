@@ -1,4 +1,4 @@
-"""The charts of Line: speed, train path, and what each leg gets of time and needs of energy, all over the distance."""
+"""The charts of Line over the distance: speed, train path, time supplement and energy of each leg."""
 
 from collections.abc import Callable, Mapping, Sequence
 from operator import methodcaller
@@ -20,7 +20,7 @@ from railjoule.dashboard.charts.names import text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.charts.track import (
     add_limits,
     add_neutral_sections,
@@ -70,7 +70,7 @@ def compared(runs: LineRuns, other: Sharing) -> dict[str, Trajectory]:
 
 
 def stations(legs: Sequence[Leg]) -> list[float]:
-    """Return where the stations between the ends lie [m]."""
+    """Return the positions of the stations between the ends [m]."""
     return [leg.end_m for leg in legs[:-1]]
 
 
@@ -97,8 +97,8 @@ def draw_speeds(chart: RunLines, runs: LineRuns, other: Sharing, width_px: float
 
 
 def draw_paths(chart: RunLines, runs: LineRuns, other: Sharing) -> None:
-    """Draw when the train is where, as the graph of the timetable does."""
-    _, latest = ends_of(chart.fill(compared(runs, other)).values())
+    """Draw time over position, as a train graph does."""
+    _, latest = data_range(chart.fill(compared(runs, other)).values())
     chart.set_range(0, 1.04 * latest)
     draw_stations(chart, stations(runs.best.legs))
 
@@ -111,7 +111,7 @@ class LegBars(DistanceChart):
     name, caption : str
         As in `Chart`.
     value : callable
-        What is drawn of a leg.
+        Value of a leg.
     show : callable
         How the optimum's numbers above the bars read.
     """
@@ -247,7 +247,7 @@ GRIP_COLUMNS = ("x", "y", "rest", "time", "low", "high", "name")
 
 
 def grip_columns(runs: LineRuns) -> dict[str, list[Any]]:
-    """Return where the stations can be dragged, and how far: on the bars of the given timetable, else of the optimum.
+    """Return handles of the stations with their ranges: on the bars of the given timetable, else of the optimum.
 
     Between two arrivals that a timetable gives the optimum shares the time, so that all of it there can be moved.
     """

@@ -35,7 +35,7 @@ class LineRuns:
     Parameters
     ----------
     scenario : Scenario
-        What was asked for.
+        The request.
     runs : mapping
         The whole lines by their sharing; the given timetable is one of them where there is one that can be kept.
     shortest_time_s : float
@@ -62,7 +62,7 @@ class LineRuns:
 
     @property
     def measured_by(self) -> tuple[Sharing, ...]:
-        """What the optimum is measured by: the given timetable or else both rules, if they keep the windows."""
+        """Runs with which the optimum is compared: the given timetable or else both rules, if they keep the windows."""
         others: tuple[Sharing, ...] = ("given",) if "given" in self.runs else RULES
         return tuple(other for other in others if not self.missed.get(other))
 

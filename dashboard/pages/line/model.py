@@ -24,7 +24,7 @@ class LinkedStation(Kept):
 
     number = param.Integer(default=0, bounds=(0, None), doc="Number, counted from 0.")
     station = param.String(default="", doc="Name.")
-    position_m = param.Number(default=0.0, bounds=(0, None), doc="Where the train stops, m")
+    position_m = param.Number(default=0.0, bounds=(0, None), doc="Position of the stop, m")
     dwell_s = param.Number(default=0.0, bounds=(0, LATEST_S), doc="Dwell, s")
     fixed = param.Boolean(default=False, doc="Whether the arrival is fixed.")
     arrival_s = param.Number(default=0.0, bounds=(0, LATEST_S), doc="Arrival, s")
@@ -38,7 +38,7 @@ class StationModel(TypedParameters):
 
     number = param.Integer(default=0, bounds=(0, None), doc="Number, counted from 0.")
     station = param.String(default="", doc="Name.")
-    position_m = param.Number(default=0.0, bounds=(0, None), doc="Where the train stops, m")
+    position_m = param.Number(default=0.0, bounds=(0, None), doc="Position of the stop, m")
     dwell_s = TypedNumber("Dwell, s", "s", default=0.0, bounds=(0, LATEST_S))
     earliest_s = TypedNumber("Earliest arrival, s", "s", 1, default=None, allow_None=True, bounds=(0, LATEST_S))
     latest_s = TypedNumber("Latest arrival, s", "s", 1, default=None, allow_None=True, bounds=(LEAST_S, LATEST_S))
@@ -76,9 +76,9 @@ class StationModel(TypedParameters):
             "latest_arrival_s": self.latest_s,
         }
 
-    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+    def field_bounds(self, field: str) -> tuple[float | None, float | None]:
         """Return the least and the largest number that a field takes; neither end of a window passes the other."""
-        low, high = super().bounds_of(field)
+        low, high = super().field_bounds(field)
         if field == "earliest_s" and self.latest_s is not None:
             return low, self.latest_s
         if field == "latest_s" and self.earliest_s is not None:

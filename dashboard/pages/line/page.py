@@ -76,7 +76,9 @@ class WholeLines(Page):
     inner_stations = param.List(
         default=[], item_type=StationModel, doc="The stations between the ends, in running order."
     )
-    other = param.Selector(default="proportional", objects=list(OTHERS), doc="What to compare the optimum with.")
+    other = param.Selector(
+        default="proportional", objects=list(OTHERS), doc="Timetable with which the optimum is compared."
+    )
     moving = param.Boolean(default=False, doc="Whether a station is being dragged.")
     moved = param.Tuple(default=None, length=2, allow_None=True, doc="Its number, and the arrival where it is now, s.")
     runs = result(LineRuns, "The last good runs; of the example where the line has no stations.")
@@ -247,13 +249,13 @@ class WholeLines(Page):
     def page_run(self) -> PageRun:
         """Return the whole line as a program."""
         # the page divides the time by optima, whatever strategy is chosen
-        untold = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
-        return PageRun(WHOLE_LINE, {"strategy": "optimal"}, untold)
+        program_note = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
+        return PageRun(WHOLE_LINE, {"strategy": "optimal"}, program_note)
 
     # ---- what it shows
 
     def is_over_time(self, axis: str) -> bool:
-        """Return that the figures lie over places."""
+        """Return that the figures are over positions."""
         return False
 
     def layout(self) -> Viewable:
@@ -324,7 +326,7 @@ class WholeLines(Page):
         self._show_texts(runs, other)
 
     def _show_choices(self, runs: LineRuns) -> None:
-        """Offer a given timetable to compare with where there is one, and to take over what is shown."""
+        """Offer the comparison with a given timetable if there is one, and the use of the shown times."""
         there = {word: name for word, name in OTHER_WORDS.items() if name in runs.runs}
         if self.others.options != there:
             self.others.options = there

@@ -1,4 +1,4 @@
-"""What Line tells in numbers and sentences: the row above its charts, the verdict, the tables of the legs."""
+"""Numbers and sentences of Line: the row above its charts, the verdict, the tables of the legs."""
 
 from collections.abc import Mapping, Sequence
 
@@ -56,33 +56,33 @@ def figure_cells(runs: LineRuns) -> list[str]:
             "same on every leg" if one else "same between arrivals that bind",
         ),
         parts.proof_figure(best.run),
-        # a row has room for six numbers, and a table beneath has this one, too
+        # a row has space for six numbers, and a table below contains this one, too
         *([] if "given" in runs.runs else [supplement]),
     ]
 
 
 def sharing_words(runs: LineRuns) -> list[str]:
-    """Return what sharing the slack by the optimum saves, and whether that is worth a new timetable."""
+    """Return the saving by the optimal supplement in sentences, and whether it is worth a new timetable."""
     best = runs.best.run.energy_kwh
     costs = []
     for other in runs.measured_by:
         # the figure of the row above the charts
         verb, amount = comparisons.saving(runs.runs[other].run.energy_kwh, best)
         costs.append(f"the {SHARING_WORDS[other]} {verb} {amount}{' more' if verb == 'costs' else ''}")
-    told = f"Compared with the optimal supplement, {words.energy(best)} kWh, {' and '.join(costs)}"
+    compared = f"Compared with the optimal supplement, {words.energy(best)} kWh, {' and '.join(costs)}"
     less = f"less than {words.share(WORTH_SHARE)} %"
     if not costs:
         verdict = "No other distribution of the supplement keeps the arrival windows."
     elif runs.pays:
-        verdict = f"{told}."
+        verdict = f"{compared}."
     else:
-        verdict = f"{told}: {less}, so a new timetable hardly pays here."
+        verdict = f"{compared}: {less}, so a new timetable hardly pays here."
     refused = f"The present timetable is not shown. {runs.refusal}" if runs.refusal else ""
     return [sentence for sentence in (verdict, refused) if sentence]
 
 
 def missed_words(runs: LineRuns) -> list[str]:
-    """Return which windows of arrival the rules and the given timetable miss."""
+    """Return the arrival windows that the rules and the given timetable miss."""
     return [
         f"{SHARING_WORDS[sharing].capitalize()}: {sentence}"
         for sharing, sentences in runs.missed.items()

@@ -1,4 +1,4 @@
-"""A plan through the control loop of its motors, and what it is compared with."""
+"""A plan through the control loop of its motors, and the runs to compare with."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -34,7 +34,7 @@ DRAWN_POINTS = 120
 
 @dataclass(frozen=True)
 class Limits:
-    """What the inverter of one motor gives at most.
+    """Maximum current and voltage of the inverter of one motor.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def limits_of(scenario: Scenario) -> Limits | None:
 def limit_changes(scenario: Scenario, limits: Limits) -> Mapping[str, float]:
     """Return limits of a scenario's inverter by the keys of its file.
 
-    Where driving and braking have currents of their own, the larger one is the limit, and bounds the other.
+    If driving and braking have separate currents, the larger one is the limit, and bounds the other.
     """
     drive = scenario.vehicle.drive
     if not isinstance(drive, Induction):
@@ -98,7 +98,7 @@ class LoopRequest:
         return self.scenario.replace(strategy=self.strategy, **self.changes)
 
     def plan(self, strategy: str | None = None) -> Trajectory:
-        """Return a plan, which knows nothing of the limits that are tried in the loop."""
+        """Return a plan, which does not depend on the limits under test in the loop."""
         planned = self.scenario.replace(strategy=strategy or self.strategy)
         with named_refusals(planned):
             task = prepare_task(planned)
@@ -108,7 +108,7 @@ class LoopRequest:
 
 @dataclass(frozen=True, eq=False)
 class LoopRun:
-    """What was asked for, and its run."""
+    """A request and its run."""
 
     request: LoopRequest
     run: FieldOrientedRun
@@ -127,7 +127,7 @@ def compute_loop_run(request: LoopRequest) -> LoopRun:
 
 @dataclass(frozen=True, eq=False)
 class LoopRivals:
-    """What a run is compared with.
+    """The runs with which a run is compared.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ class LoopRivals:
 
 
 def compute_rivals(loop: LoopRun) -> LoopRivals:
-    """Return what a run is compared with; errors as `compute_loop_run`."""
+    """Return the runs with which a run is compared; errors as `compute_loop_run`."""
     scenario, run = loop.request.in_loop(), loop.run
     ahead = scenario.simulation.precompensator
     other = simulate_field_oriented(scenario.replace(**{"simulation.precompensator": not ahead}), run.planned)
@@ -180,7 +180,7 @@ def compute_rivals(loop: LoopRun) -> LoopRivals:
 
 @dataclass(frozen=True, eq=False)
 class MachineMap:
-    """Efficiency of a machine over torque and speed, and where a run works in it."""
+    """Efficiency of a machine over torque and speed, with the operating points of a run."""
 
     run: FieldOrientedRun
     map: MotorMap

@@ -217,7 +217,7 @@ class Motor(Page):
     )
 
     loop = result(LoopRun, "The last good run.")
-    rivals = result(LoopRivals, "What it is compared with.")
+    rivals = result(LoopRivals, "Runs to compare with.")
     machine_map = result(MachineMap, "Efficiency and run.")
     ripple = result(Ripple, "Current under switched voltage.")
     flux_sweep = result(FluxSweep, "Cruise over the flux current.")
@@ -277,12 +277,12 @@ class Motor(Page):
             f"loop = scenario.replace(**{dict(self.changes)!r})\n"
             "ride = simulate(loop, solve(scenario))\nprint(ride.actual.energy_kwh)\n"
         )
-        untold = (
+        program_note = (
             f"The page tries {tried.max_phase_voltage_v:g} V and {tried.max_current_a:g} A on a plan that does not "
             "know of them. A scenario file has one set of limits, for the plan and for the motors."
         )
         program = Program({**SOLVE.imports, **IN_CLOSED_LOOP.imports}, body, "")
-        return PageRun(program, {"strategy": self.desk.chosen}, untold)
+        return PageRun(program, {"strategy": self.desk.chosen}, program_note)
 
     # ---- what it computes
 

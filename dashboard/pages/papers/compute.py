@@ -24,7 +24,7 @@ ASSETS = ("vehicles", "lines", "scenarios", "papers")
 
 @dataclass(frozen=True, eq=False)
 class ShippedTables:
-    """What was computed of all papers before.
+    """Comparisons of all papers that were computed before.
 
     Parameters
     ----------

@@ -10,8 +10,8 @@ from bokeh.plotting import figure
 
 from railjoule.core.validation import Row, Validation
 from railjoule.core.validation.table import CLOSE_PERCENT
-from railjoule.dashboard.charts.dress import add_zero, dress_alone
-from railjoule.dashboard.charts.elements import dress_legends, figure_of
+from railjoule.dashboard.charts.dress import add_zero, dress_single
+from railjoule.dashboard.charts.elements import dress_legends, render_figure
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
@@ -23,14 +23,14 @@ STYLES = {
     "rawicki": ("phases", "square"),
     "shtompel": ("bellman", "diamond"),
 }
-"""Colour and shape of each paper's dots: neither tells alone."""
-TOLD = ("Paper", "Table", "Case", "Quantity", "Printed", "railjoule", "Difference")
+"""Colour and shape of each paper's dots, so that they differ without colour, too."""
+TIP_COLUMNS = ("Paper", "Table", "Case", "Quantity", "Printed", "railjoule", "Difference")
 """The text of a dot under the mouse."""
 TIP_CSS = (
     ":host { --tooltip-color: var(--rj-surface) !important; --tooltip-border: var(--rj-line2) !important; "
     "--tooltip-arrow-color: var(--rj-line2) !important; opacity: 1 !important; } "
-    "div.told { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); width: 200px; white-space: normal; } "
-    "div.told b { color: var(--rj-ink); font-weight: 600; }"
+    "div.point-tip { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); width: 200px; white-space: normal; } "
+    "div.point-tip b { color: var(--rj-ink); font-weight: 600; }"
 )
 """Of the text under the mouse, which the library draws within its own root."""
 TICKS_PERCENT = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
@@ -52,14 +52,14 @@ def differences(papers: Sequence[Validation]) -> hv.Dataset:
         for row in table.rows
         if row.source and row.difference is not None
     ]
-    told = [(AUTHORS[paper.paper], title, row.case, *_numbers(row)) for paper, title, row in rows]
+    tips = [(AUTHORS[paper.paper], title, row.case, *_numbers(row)) for paper, title, row in rows]
     columns: dict[str, Any] = {
         "row": np.arange(1, len(rows) + 1),
         "name": np.array([paper.paper for paper, _, _ in rows], dtype=object),
         "height": np.array([scaled(row.difference or 0.0) for _, _, row in rows]),
-        **{word: np.array([texts[k] for texts in told], dtype=object) for k, word in enumerate(TOLD)},
+        **{word: np.array([texts[k] for texts in tips], dtype=object) for k, word in enumerate(TIP_COLUMNS)},
     }
-    return hv.Dataset(columns, ["row", "name"], ["height", *TOLD])
+    return hv.Dataset(columns, ["row", "name"], ["height", *TIP_COLUMNS])
 
 
 def _numbers(row: Row) -> tuple[str, ...]:
@@ -93,19 +93,19 @@ def difference_figure(papers: Sequence[Validation], dark: bool) -> tuple[figure,
             legend_cols=len(names),
         )
 
-    f = figure_of(element)
+    f = render_figure(element)
     _dress(f, names, palette)
     return f, palette
 
 
 def tip() -> Markup:
-    """Return what a dot says, with the names of columns in the place of their values, which Bokeh escapes."""
-    lines = joined(markup("<div>{}: <b>@{}</b></div>", word, word) for word in TOLD)
-    return markup('<div class="told"><style>{}</style>{}</div>', Markup(TIP_CSS), lines)
+    """Return the tooltip of a dot, with the names of columns in the place of their values, which Bokeh escapes."""
+    lines = joined(markup("<div>{}: <b>@{}</b></div>", word, word) for word in TIP_COLUMNS)
+    return markup('<div class="point-tip"><style>{}</style>{}</div>', Markup(TIP_CSS), lines)
 
 
 def _dots(rows: hv.Dataset, name: str) -> hv.Scatter:
-    dots = hv.Scatter(rows, "row", ["height", *TOLD], label=AUTHORS[name])
+    dots = hv.Scatter(rows, "row", ["height", *TIP_COLUMNS], label=AUTHORS[name])
     return dots.opts(
         backend="bokeh",
         marker=STYLES[name][1],
@@ -119,7 +119,7 @@ def _dots(rows: hv.Dataset, name: str) -> hv.Scatter:
 
 
 def _dress(f: figure, names: Sequence[str], palette: Palette) -> None:
-    dress_alone(f, NAME, palette, keeps_hover=True)
+    dress_single(f, NAME, palette, keeps_hover=True)
     f.yaxis.axis_label = None
     f.yaxis.formatter.args = {"digits": 0}
     f.yaxis.ticker = f.ygrid.ticker = FixedTicker(ticks=[scaled(tick) for tick in TICKS_PERCENT])

@@ -8,8 +8,8 @@ from bokeh.models import Legend
 from bokeh.plotting import figure
 
 from railjoule.core.validation.table import Line, Panel
-from railjoule.dashboard.charts.dress import check_complete, dress_alone, lighten
-from railjoule.dashboard.charts.elements import dress_legends, figure_of
+from railjoule.dashboard.charts.dress import check_complete, dress_single, lighten
+from railjoule.dashboard.charts.elements import dress_legends, render_figure
 from railjoule.dashboard.look.paint import Palette
 
 COLOURS = ("accent", "eoc", "phases", "bellman", "pin_1", "pin_2", "pin_4", "pin_6")
@@ -21,9 +21,9 @@ LEGEND_COLUMNS = 4
 
 def draw_panel(panel: Panel, place: str, palette: Palette) -> figure:
     """Return the figure of a panel; it stands in no document yet, so any thread may make it."""
-    f = figure_of(lambda: _overlay(panel))
+    f = render_figure(lambda: _overlay(panel))
     name = f"{place}: {panel.y_title} over {panel.x_title}"
-    dress_alone(f, name, palette, keeps_hover=True)
+    dress_single(f, name, palette, keeps_hover=True)
     f.update(height=HEIGHT_PX, y_range=f.y_range)
     f.xaxis.axis_label, f.yaxis.axis_label = panel.x_title, panel.y_title
     looks = _looks(panel.lines)

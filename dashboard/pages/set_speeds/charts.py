@@ -32,7 +32,7 @@ TRIP = "trip"
 """The run of the chart of speeds, the only one to show the trip while a step is dragged."""
 HEADROOM = 1.09
 SIGN_RISE_PX = 8.0
-"""How far above its step a set speed is written."""
+"""Distance of the text of a set speed above its step."""
 MIN_SECTION_M = 10
 """No section end can be dragged closer to the next one."""
 STEPS_A_KMH = 2

@@ -60,15 +60,15 @@ class LimitRun:
     ----------
     run : Trajectory
     search : LimitSearch
-        How its limits were found; one trip alone where they were given.
+        The search for its limits; only one trip if they were given.
     optimum : Trajectory or None
         In the time that the run takes.
     no_optimum : str
         Why there is none.
     need : StorageNeed
-        What the run asks of a storage.
+        The storage that the run needs.
     points : OperatingPoints or None
-        Where its motors work, if its drive tells.
+        Operating points of its motors; None for drives without them.
     """
 
     run: Trajectory
@@ -170,7 +170,7 @@ class LimitTrip:
     Parameters
     ----------
     position_m, speed_ms : array of shape (n,)
-        Where it is how fast [m, m/s].
+        Positions and speeds [m, m/s].
     energy_kwh, travel_time_s : float
         Energy at the line [kWh] and time [s].
     """
@@ -182,7 +182,7 @@ class LimitTrip:
 
 
 def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
-    """Return the trip under given limits, or None where only a whole run can tell it.
+    """Return the trip under given limits, or None if only a whole run gives it.
 
     Raises
     ------
@@ -205,16 +205,16 @@ def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
 
 @dataclass(frozen=True, eq=False)
 class StorageCurve:
-    """What storages of one power save.
+    """Savings of storages of one power.
 
     Parameters
     ----------
     size_kwh, saved_kwh : array of shape (k,)
-        What they hold, and what they save against resistors [kWh].
+        Their capacities, and their savings against resistors [kWh].
     chosen : StorageRun
         With the storage asked for.
     need : StorageNeed
-        What the run asks of a storage.
+        The storage that the run needs.
     """
 
     size_kwh: FloatArray
@@ -230,7 +230,7 @@ def compute_storage(
     charging_efficiency: float,
     discharging_efficiency: float,
 ) -> StorageCurve:
-    """Return what storages save over a run, with the size and power that it needs where none is named.
+    """Return the savings of storages over a run; size and power are those needed if none are given.
 
     Raises
     ------

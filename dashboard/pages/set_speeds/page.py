@@ -354,7 +354,7 @@ class SetSpeeds(Page):
         return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
 
     def is_over_time(self, axis: str) -> bool:
-        """Return that the figures lie over places."""
+        """Return that the figures are over positions."""
         return False
 
     def layout(self) -> Viewable:

@@ -152,7 +152,7 @@ def card_html(card: Card) -> Markup:
 
 
 def _run_words(run: Trajectory | None) -> tuple[Markup, str, str]:
-    """Return the line of a card's run, what it shows, and the run's strategy, energy and time."""
+    """Return the line of a card's run, its description, and the run's strategy, energy and time."""
     if run is None:
         return SKETCHED_LINE, "Being computed: speed over distance", "computing"
     line = speed_line(run, 1.06 * run.max_speed_kmh, SMALL_WIDTH, SMALL_HEIGHT, "var(--rj-accent)", 1.8)

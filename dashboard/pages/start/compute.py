@@ -9,7 +9,7 @@ from railjoule.core.scenario import preset_names
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 
 FIRST = ("metro-with-limit", "metro-10-stations", "tram-950m", "ftorek-300s", "kharkiv-like-40kmh", "liashenko-ii")
-"""What one may begin with; the others follow."""
+"""Scenarios shown first; the others follow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Card:
     stations : int
         Planned stops between the ends.
     run : Trajectory or None
-        That of the scenario's own strategy; where it refuses, the optimum; where that is not found, the fastest run;
+        The run of the scenario's own strategy; if that refuses, the optimum; if none is found, the fastest run;
         None until it is computed.
     """
 

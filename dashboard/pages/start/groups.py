@@ -1,4 +1,4 @@
-"""The groups of the shipped scenarios, and what each scenario is good for."""
+"""The groups of the shipped scenarios, and the use of each scenario."""
 
 GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     (
@@ -60,7 +60,7 @@ GOOD_FOR = {
 
 
 def scenario_groups(names: tuple[str, ...]) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Return title, what it shows and scenarios of each group; what no group names stands last."""
+    """Return title, description and scenarios of each group; scenarios without a group come last."""
     named = [name for _, _, members in GROUPS for name in members]
     rest = tuple(name for name in names if name not in named)
     listed = [(title, shows, tuple(name for name in members if name in names)) for title, shows, members in GROUPS]

@@ -14,9 +14,9 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
 from railjoule.dashboard.charts.chart import no_grid
-from railjoule.dashboard.charts.dress import ink_on, style_of
+from railjoule.dashboard.charts.dress import ink_on, line_style
 from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.names import Box, Name, clear_of
+from railjoule.dashboard.charts.names import Box, Name, is_clear
 from railjoule.dashboard.charts.run_lines import NAMES
 from railjoule.dashboard.charts.surface import CIVIDIS, round_step
 from railjoule.dashboard.look import words
@@ -55,7 +55,7 @@ class FrontierChart(LoneChart):
             hatch_scale=8,
             hatch_alpha=0.4,
         ),
-        *(methodcaller("line", name, name, **style_of(name)) for name in ("enoc", "optimal")),
+        *(methodcaller("line", name, name, **line_style(name)) for name in ("enoc", "optimal")),
         methodcaller("line", "tangent", "ink", line_width=1),
         methodcaller("dots", "printed", "surface", "enoc", marker="diamond", size=10, line_width=1.5),
         methodcaller("source", "runs", "x", "y", "colour"),
@@ -227,7 +227,7 @@ class ContourChart(LoneChart):
                 (
                     (x, y, box)
                     for x, y in _crossings(enoc_map, level)
-                    if clear_of(box := frame.box(x, y, text, 11, "center", -7.0), taken, frame)
+                    if is_clear(box := frame.box(x, y, text, 11, "center", -7.0), taken, frame)
                 ),
                 None,
             )

@@ -74,7 +74,7 @@ class TradeOff:
     Parameters
     ----------
     scenario : Scenario
-        What was asked for; its own travel time does not matter.
+        The request; its own travel time does not matter.
     frontier : Frontier
         The optima.
     enoc : Frontier or None
@@ -155,7 +155,7 @@ MAP_SIZE = 80
 NARROW_MAP_S = ((1.2, 2.5), (15.0, 110.0))
 """Travel times of the map as multiples of the shortest time, and acceleration times [s], for real timetables."""
 WIDE_MAP_S = ((600.0, 5000.0), (10.0, 250.0))
-"""The same for Figure 6a of Ftorek 2025 [s]."""
+"""Travel and acceleration times of Figure 6a of Ftorek 2025 [s]."""
 
 
 def compute_trade_off(request: TradeOffRequest) -> TradeOff:
@@ -174,7 +174,7 @@ def compute_trade_off(request: TradeOffRequest) -> TradeOff:
         line = plain_line(task)
     except StrategyRefusedError as refusal:
         return TradeOff(request.scenario, frontier, None, None, None, str(refusal))
-    # for the map alone: ENOC's curve and single points keep the vehicle's own loss
+    # only for the map: ENOC's curve and single points keep the vehicle's own loss
     weighted = replace(line, loss_coefficient=line.loss_coefficient * request.copper_weight)
     return TradeOff(
         scenario=request.scenario,

@@ -10,7 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.validation.ftorek_runs import TABLE_3_COPPER_WEIGHT
-from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.dress import line_style
 from railjoule.dashboard.charts.plot import Plot, Stroke
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX
@@ -34,7 +34,7 @@ FRONTIER = Plot(
 SHARE = Plot(
     "share",
     "ENOC above the optimum, %",
-    {"share": Stroke("enoc", style_of("enoc"))},
+    {"share": Stroke("enoc", line_style("enoc"))},
     heights=(130, 150, 110),
     x_title=TIME_TITLE,
     ticks=3,
@@ -63,7 +63,7 @@ ENOC_TITLE = '<div class="block"><h2>ENOC: energy over travel and acceleration t
 
 
 class TradeOffPage(Page):
-    """The minimum energy over travel time, and what other strategies need."""
+    """The minimum energy over travel time, and the energies of other strategies."""
 
     page = "Trade-off"
     kept = ("wide_map", "copper_weight", "map_view")

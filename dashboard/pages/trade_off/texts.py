@@ -26,7 +26,7 @@ def trade_off_figures(trade_off: TradeOff, best: Trajectory, enoc: EnocPoint | N
     enoc : EnocPoint or None
         ENOC's run in the same time.
     """
-    asked, waiting = comparisons.time_asked(best), comparisons.waiting_of(best)
+    asked, waiting = comparisons.time_asked(best), comparisons.waiting_words(best)
     detail = f"{asked}: {waiting}" if waiting else asked or f"for {words.distance(best.distance_m)} km"
     if enoc is not None:
         detail = f"ENOC {words.energy(enoc.energy_kwh)} kWh, {comparisons.above(enoc.energy_kwh, best.energy_kwh)}"

@@ -17,7 +17,7 @@ from railjoule.dashboard.charts.axis import nice_range, xy
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import CurveChart, Plot
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import NAMES, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import NAMES, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.page import Page, Request, shows, study
@@ -47,7 +47,7 @@ def draw_plans(chart: RunLines, found: RobustPlan) -> None:
         runs["robust"] = found.chosen.plan
     chart.axis.fit(max(float(run.position_m[-1]) for run in runs.values()), roomy=False)
     lines = chart.fill(runs)
-    chart.set_range(0, HEADROOM * ends_of(lines.values())[1])
+    chart.set_range(0, HEADROOM * data_range(lines.values())[1])
     places = {"nominal": 0.25, "robust": 0.7}
     names = [Name(name, name, chart.palette.tokens[LINES[name].token], preferred=places[name]) for name in runs]
     chart.place_names(lines, names)
@@ -177,7 +177,7 @@ DELAYS = histogram("late", "Delay at the stop, s", "Delay, s", words.delay)
 
 
 class ChanceTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
     probability_percent = TypedNumber("Probability, %", "%", default=100 * PROBABILITY, bounds=(1, 99.9))
     accepted_lateness_s = keyed(Disturbance, "accepted_delay_s", "Accepted lateness", "s", 1)

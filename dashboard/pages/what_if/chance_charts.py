@@ -20,7 +20,7 @@ BINS = 36
 SIGN_PX, ROW_PX = 11, 14.0
 QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
 SHOWN = (0.003, 0.997)
-"""Of the values this part is drawn."""
+"""Share of the values that is drawn."""
 MAX_POINTS = 2000
 
 
@@ -30,7 +30,7 @@ def finite(values: FloatArray) -> FloatArray:
 
 
 def draw_histogram(show: Callable[[float], str], chart: CurveChart, values: FloatArray) -> None:
-    """Draw how often values came out so far, with 5 %, median and 95 % as hairlines."""
+    """Draw the histogram of the values so far, with 5 %, median and 95 % as hairlines."""
     values = finite(values)
     if not len(values):
         chart.clear()
@@ -69,7 +69,7 @@ def _mark(
 
 
 def histogram(name: str, caption: str, quantity: str, show: Callable[[float], str]) -> Plot:
-    """Return the figure of how often values of a quantity came out; `show` returns how one reads."""
+    """Return the histogram of a quantity; `show` formats a value."""
     bars = {"fill_color": "line2", "line_color": "surface"}
     layers: tuple[Layer, ...] = (
         no_grid,
@@ -102,7 +102,7 @@ def chance_table(table: StudyTable) -> str:
 
 
 def _missed_words(table: StudyTable) -> list[str]:
-    """Return how many runs need less than a plan for their load by a miss, in a sentence; nothing where none does."""
+    """Return a sentence on runs that need less than a plan for their load only by a miss; empty if none."""
     known = table.replanned_kwh
     missed = int(comparisons.is_false_saving(table.energy_kwh, known, table.delay_s, table.stop_error_m).sum())
     count = f"{words.number(missed, 0)} of the runs need"

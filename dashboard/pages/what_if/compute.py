@@ -16,7 +16,7 @@ from railjoule.core.simulation.following import Following, follow, plan_for, pla
 from railjoule.core.studies.braking_sensors import BrakingSensors, study_braking_sensors
 from railjoule.core.studies.montecarlo import monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, UnreachedProbabilityError, robust_plan_steps
-from railjoule.core.studies.sensitivity_table import Knows, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import KnownFacts, sensitivity_steps
 from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.work.runs import named_refusals
 
@@ -84,11 +84,11 @@ def _energy_at_equal_arrival(following: Following) -> float | None:
     return None if equal is None else equal.energy_kwh
 
 
-def compute_table(conditions: Conditions, both_directions: bool, known: Knows) -> Iterator[StudyTable]:
+def compute_table(conditions: Conditions, both_directions: bool, known: KnownFacts) -> Iterator[StudyTable]:
     """Yield the table of loads and position errors step by step; errors as `compute_reality`."""
     scenario = conditions.actual()
     with named_refusals(scenario):
-        yield from sensitivity_steps(scenario, both_directions=both_directions, knows=known)
+        yield from sensitivity_steps(scenario, both_directions=both_directions, known=known)
 
 
 def compute_stops(conditions: Conditions) -> Iterator[BrakingSensors]:

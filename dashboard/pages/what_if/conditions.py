@@ -18,9 +18,9 @@ FOLLOWING = _sources(*day.FOLLOWING)
 CHANCE = _sources(*day.CHANCE)
 EVENTS = _sources("events", "changed", "accepted_delay_s", "on")
 PREVIEW_RUNS = 500
-"""Random draws, where nobody has asked for more."""
+"""Random draws without a request for more."""
 NOTHING_WRONG = {"disturbance.actual_load_factor": 0.0, "disturbance.coordinate_error_m": 0.0}
-"""For what has loads and position errors of its own."""
+"""Sources for studies with their own loads and position errors."""
 
 
 def conditions(desk: Workbench, changes: Mapping[str, Any]) -> Conditions:

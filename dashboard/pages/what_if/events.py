@@ -49,12 +49,14 @@ NO_EVENT = 'No event yet. Click the speed chart or press "Add a stop".'
 
 
 class EventsTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
     as_driver = param.Boolean(
         default=False, doc="Whether the accepted delay follows the driver's smallest one, until it is set by hand."
     )
-    dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a click on the chart adds.")
+    dropping = param.Selector(
+        default="stop", objects=["stop", "limit"], doc="Kind of event that a click on the chart adds."
+    )
 
     rides = result(Rides, "The last good runs.")
     late = result(LateArrivals, "Energy over delay so far.")
@@ -296,7 +298,7 @@ def reaction_table(rides: Rides, late: LateArrivals | None) -> str:
         )
         rows.append((cells, reaction == "computer"))
     header = ("Run", "kWh", "more, %", "late, s", "top, km/h", "saved per extra second, Wh")
-    return parts.inset(parts.table("Who reacts", header, rows))
+    return parts.inset(parts.table("Runs by reaction", header, rows))
 
 
 def limits_kept(rides: Rides) -> list[str]:

@@ -94,7 +94,7 @@ MEASURES = {
 }
 
 
-def colour_of(number: float, most: float, palette: Palette) -> str:
+def cell_colour(number: float, most: float, palette: Palette) -> str:
     """Return the colour of a cell: the warmer the more it is above zero, the cooler the more it is below."""
     if not np.isfinite(number):
         return palette.tokens["ground"]
@@ -170,7 +170,7 @@ class HeatMapChart(Chart):
         done = np.arange(values.size).reshape(values.shape) < table.done
         y, x = (index.ravel() for index in np.indices(values.shape))
         fills = [
-            colour_of(number, most, self.palette) if known else self.palette.tokens["page"]
+            cell_colour(number, most, self.palette) if known else self.palette.tokens["page"]
             for number, known in zip(values.ravel(), done.ravel(), strict=True)
         ]
         texts = [text if known else "" for text, known in zip(measure.texts(table), done.ravel(), strict=True)]
@@ -202,7 +202,7 @@ def printed_table(table: StudyTable, measure: Measure) -> str:
     """
     scenario, paper = table.scenario, PAPER
     entry = next((entry for entry in paper["table"] if entry["scenario"] == scenario.line.preset), None)
-    if entry is None or not table.both_directions or table.knows != "nothing":
+    if entry is None or not table.both_directions or table.known != "nothing":
         return ""
     base = load_scenario(entry["scenario"])
     if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:

@@ -37,14 +37,14 @@ PACES = (1.0, 5.0, 20.0)
 
 @dataclass(frozen=True, eq=False)
 class LiveResult:
-    """A run that has arrived, and the same day with all events known before the start."""
+    """A run that has arrived, and the run with all events known before the start."""
 
     live: DisturbedRun
     known: DisturbedRun
 
 
 class LiveModel(TypedParameters):
-    """The run that plays, and what is set next."""
+    """The run that plays, and the fields of the next event."""
 
     passing = (
         "on",
@@ -195,7 +195,7 @@ class Live:
         self.model.take(state.scenario.edited)
 
     def _forget(self, *_: Any) -> None:
-        """Forget the run, as its scenario has gone."""
+        """Remove the run, as its scenario has been replaced."""
         self._asked = None
         self._drop()
 
@@ -219,7 +219,7 @@ class Live:
         self.steps.ask(StepRequest(step, run))
 
     def tick(self, seconds: float) -> None:
-        """Let the clock go on [s of reality]; it waits while a plan is made, as the plan begins where the train is."""
+        """Advance the clock [s of reality]; it waits while a plan is made, which begins at the train's position."""
         run = self.model.run
         if run is None or self._planning or run.has_arrived:
             return

@@ -147,7 +147,7 @@ UNLIKE = (
 
 
 class LivePart:
-    """All that is in sight while the page plays a run."""
+    """The view of a run that plays."""
 
     def __init__(self, model: LiveModel, host: Any, keep: Callable[..., None]) -> None:
         self.model, self.axis, self.chart = model, host.axes[PLAYED.axis], host.plots[PLAYED.name]
@@ -233,7 +233,7 @@ class LivePart:
             self.show_numbers()
 
     def show_numbers(self) -> None:
-        """Show where the train is, and what it needs."""
+        """Show position and energy of the train."""
         run = self.model.run
         assert run is not None
         late = run.delay_s
@@ -250,7 +250,7 @@ class LivePart:
         self.numbers.object = parts.figures(cells, role="timer")
 
     def show_controls(self) -> None:
-        """Show what can be pressed, and why the last press was refused."""
+        """Enable the possible buttons, and show why the last press was refused."""
         run, model = self.model.run, self.model
         failure = model.failure
         self.message.visible = failure is not None
@@ -261,7 +261,7 @@ class LivePart:
         self.clear.disabled = run is None or not any(one.is_ahead and not run.has_left(one) for one in run.events)
 
     def show_result(self) -> None:
-        """Show how the run ended, beside its plan and the run of a train that knew all before."""
+        """Show the result of the run beside its plan and the run with advance notice."""
         result = self.model.ended
         self.table.object = "" if result is None else _table(result)
 
@@ -279,7 +279,7 @@ def _doing(run: LiveRun) -> str:
 
 
 def _status(run: LiveRun, replan_s: float) -> list[str]:
-    """Return how the plan ahead came about, and what it cannot keep."""
+    """Return the origin of the plan ahead, and the requirements that it misses."""
     made = words.STRATEGY_WORDS[run.strategy]
     if run.strategy == "fastest":
         made = FASTEST

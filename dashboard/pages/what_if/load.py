@@ -9,7 +9,7 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.core.studies.braking_sensors import MEASUREMENTS, BrakingSensors
-from railjoule.core.studies.sensitivity_table import Knows
+from railjoule.core.studies.sensitivity_table import KnownFacts
 from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.driven import BRAKING, EFFORTS, LOAD, PLACE, SPEEDS, reality_words
 from railjoule.dashboard.charts.plot import Plot
@@ -35,7 +35,12 @@ from railjoule.dashboard.parts.choices import buttons, menu
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.work.runs import is_slow
 
-KNOWN: dict[str, Knows] = {"none": "nothing", "for the load": "load", "for the position": "place", "for both": "both"}
+KNOWN: dict[str, KnownFacts] = {
+    "none": "nothing",
+    "for the load": "load",
+    "for the position": "place",
+    "for both": "both",
+}
 SELECT: dict[str, Any] = {"margin": (6, 0, 6, 6)}
 HEAT_MAP = Plot("heatmap", "", heights=(350, 440, 320), chart=HeatMapChart)
 DRIVEN = (SPEEDS, EFFORTS)
@@ -48,11 +53,18 @@ HINT = f"Click a cell to see its run. {comparisons.MISSED}"
 
 
 class LoadTab(Page):
-    """The part of the page that this tab shows."""
+    """The content of this tab."""
 
     both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
-    known = param.Selector(default="nothing", objects=list(KNOWN.values()), label="Replanning", doc="What is known.")
-    measure = param.Selector(default="over_replanned", objects=list(MEASURES), label="Show", doc="What it shows.")
+    known = param.Selector(
+        default="nothing",
+        objects=list(KNOWN.values()),
+        label="Replanning",
+        doc="Facts that the train gets before its start.",
+    )
+    measure = param.Selector(
+        default="over_replanned", objects=list(MEASURES), label="Show", doc="Quantity of the table."
+    )
 
     reality = result(Reality, "The last good run.")
     table = result(StudyTable, "The table so far.")

@@ -57,7 +57,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
         return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
 
     def is_over_time(self, axis: str) -> bool:
-        """Return whether an axis is one of times: that of the events can be."""
+        """Return whether an axis is one of times, which is possible on the tab of events."""
         return axis == RIDES and self.desk.over_time
 
     def page_run(self) -> PageRun:

@@ -11,7 +11,7 @@ from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.axis import nice_range
 from railjoule.dashboard.charts.plot import Plot, Stroke
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.charts.track import add_limits, add_tint, draw_limits, limits_of
 from railjoule.dashboard.day import EventModel
 from railjoule.dashboard.look import words
@@ -25,7 +25,7 @@ LINES: Mapping[str, Line] = {
 }
 """Colour and stroke of each ride by its name at the line and under the cursor, in the order of drawing."""
 NAME_TOKENS = {"undisturbed": "ink3"}
-"""In which colour a name is written, where that of its line is too pale."""
+"""Colours of names whose lines are too pale for text."""
 HEADROOM = 1.28
 """The upper end of the axis over the highest speed: the signs of the events stand between."""
 SAVED_OVER_S = 1.5
@@ -37,7 +37,7 @@ SIGN_DROP_PX = 15
 def draw_rides(chart: RunLines, runs: Mapping[str, Trajectory], events: list[EventModel], over_time: bool) -> None:
     """Draw all rides, the events and where they become known."""
     lines = chart.fill(runs, over_time)
-    top = HEADROOM * ends_of(lines.values())[1]
+    top = HEADROOM * data_range(lines.values())[1]
     chart.set_range(0, top)
     # over time each run has borders of its own
     limits = limits_of(runs["undisturbed"].scenario)

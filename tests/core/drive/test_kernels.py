@@ -90,5 +90,5 @@ def test_compiled_code_knows_no_unknown_kind(asked):
 
 @pytest.mark.parametrize("braking", [False, True])
 def test_no_power_of_an_unknown_kind(braking):
-    with pytest.raises(ValueError, match="no kernel of drives knows this kind"):
+    with pytest.raises(ValueError, match="there is no kernel for this kind of drive"):
         kernels.power_when_on(len(CAPABILITIES), np.ones(12), braking, 1e4, 10.0)

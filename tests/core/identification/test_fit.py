@@ -84,7 +84,7 @@ def test_a_single_speed_tells_no_term_of_the_resistance_from_the_others(scenario
     found = fit_runs([measured_run(read_recording(text, "hold.csv"), line, 10.0)], line, RESISTANCE)
     assert set(found.undetermined) == set(RESISTANCE)
     assert set(found.confounded[0]) == set(RESISTANCE)
-    assert "cannot be told apart from these runs: coasting from high to low speed would" in found.sentences[0]
+    assert "cannot be separated by these runs: coasting from high to low speed would" in found.sentences[0]
     # what they add up to at that speed is known all the same
     assert resistance_deviation(found) < 0.05
 

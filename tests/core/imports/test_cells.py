@@ -47,7 +47,7 @@ def test_empty_cells_at_the_end_need_no_column():
     ("content", "sentence"),
     [
         ("", "a.csv: holds no rows."),
-        ("from,to\n", "a.csv: has the columns from, to, and no rows beneath."),
+        ("from,to\n", "a.csv: has the columns from, to, and no rows below."),
         ("from,to\n0,1,2\n", "a.csv, row 2: 3 cells under 2 columns."),
         ("from,from\n0,1\n", "a.csv, row 1: the column 'from' appears twice."),
         ("from,to\n0,1\0\n", "a.csv: not a text file: it holds the character NUL."),

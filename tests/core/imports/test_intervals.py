@@ -93,7 +93,7 @@ def test_falling_and_rising_in_words_is_found_without_a_preset():
 
 def test_level_with_a_gradient_is_asked_about():
     table = table_of("from,to,gradient,type\n0,100,5,level\n")
-    assert told(table, "question") == ["a.csv: row 2 says 'level' and 5 per mille."]
+    assert told(table, "question") == ["a.csv: row 2 has 'level' and 5 per mille."]
 
 
 @pytest.mark.parametrize(
@@ -187,7 +187,7 @@ def test_places_in_falling_chainage_hold_downwards():
     """300 to 200 m rises by 3 towards 200 m, 200 to 0 m falls; where the value at 0 m ends, nobody says."""
     table = table_of("position,gradient\n300,3\n200,-1\n0,7\n")
     assert values(table) == [(0, 200, 1), (200, 300, -3)]
-    assert table.unused == ("a.csv: row 4, the last in falling chainage: no row says where it ends.",)
+    assert table.unused == ("a.csv: row 4, the last in falling chainage: no row has its end.",)
 
 
 def test_a_place_may_repeat_the_value_before_it():
@@ -301,16 +301,16 @@ def test_a_heading_names_the_unit_of_positions(heading, end_m):
 @pytest.mark.parametrize(
     ("text", "kind", "doubt"),
     [
-        ("from_m,to_m,gradient (x)\n0,500,5\n", "gradients", "'gradient (x)' says 'x', which is not understood"),
+        ("from_m,to_m,gradient (x)\n0,500,5\n", "gradients", "'gradient (x)' contains 'x', which is not understood"),
         ("from_m,to_m,gradient (\u2030; fall +)\n0,500,5\n", "gradients",
-         "'gradient (\u2030; fall +)' says '\u2030; fall +', which is not understood"),
+         "'gradient (\u2030; fall +)' contains '\u2030; fall +', which is not understood"),
         ("from_m,to_m,gradient compensated\n0,500,5\n", "gradients",
-         "'gradient compensated' says 'compensated', which is not understood"),
+         "'gradient compensated' contains 'compensated', which is not understood"),
         ("from_m,to_m,gradient (%) [\u2030]\n0,500,5\n", "gradients",
          "'gradient (%) [\u2030]' names 2 units, per cent and per mille"),
         ("from_m,to_km,gradient_permille\n0,500,5\n", "gradients", "'from_m' and 'to_km' name two units, m and km"),
         ("from (furlong),to,limit_kmh\n0,500,60\n", "limits",
-         "'from (furlong)' says 'furlong', which is not understood"),
+         "'from (furlong)' contains 'furlong', which is not understood"),
         ("from_m,to_m,curvature\n0,500,0.004\n", "curves",
          "'curvature' is no radius, and does not name the unit of its curvatures"),
         ("from_m,to_m,gradient\n0,500,1.2 %\n500,900,3\n", "gradients",
@@ -362,7 +362,7 @@ def test_a_size_in_doubt_is_told_where_the_unit_is_named():
 
 def test_a_column_of_another_quantity_is_no_gradient():
     """field.md, row 13: heights that the user names as the column of gradients were per mille."""
-    with pytest.raises(UnitError, match=r"'elevation_m' says 'm', which is not understood; name the unit, as "):
+    with pytest.raises(UnitError, match=r"'elevation_m' contains 'm', which is not understood; name the unit, as "):
         table_of("position_m,elevation_m\n0,120\n1000,128\n", columns={"value": "elevation_m"})
 
 
@@ -409,7 +409,7 @@ def test_a_decimal_sign_in_doubt_is_told():
         (
             "a,b,c\n0,100,60\n",
             "limits",
-            "a.csv: no column says where each row begins; name it, as limits.from=COLUMN, of a, b, c.",
+            "a.csv: no column has the start of each row; name it, as limits.from=COLUMN, of a, b, c.",
         ),
         (
             "from,to,c\n0,1,60\n",

@@ -110,7 +110,7 @@ def test_a_gap_of_all_tables_is_asked_about_as_a_jump():
     line = build_line(**chosen)
     assert line.line.length_m == 3000
     assert sentences(line, "question") == [
-        "no table says anything from 14,000 to 14,200 m: does the chainage jump there? The line is taken to have these "
+        "no table has anything from 14,000 to 14,200 m: does the chainage jump there? The line is taken to have these "
         "200 m."
     ]
 
@@ -126,12 +126,12 @@ def test_a_place_without_an_end_reaches_to_the_end_of_the_line():
 def test_a_place_at_the_end_of_the_line_is_told():
     line = build_line(gradients=table_of("position,gradient\n0,3\n100,1\n", "gradients"))
     assert [(s.length_m, s.gradient_permille) for s in line.line.sections] == [(100, 3)]
-    assert sentences(line, "gap") == ["gradients.csv: no row says where row 3 ends, and the line ends where it begins."]
+    assert sentences(line, "gap") == ["gradients.csv: no row has the end of row 3, and the line ends where it begins."]
 
 
 def test_a_line_needs_an_end():
     gradients = table_of("position,gradient\n100,3\n", "gradients")
-    with pytest.raises(ScenarioError, match=r"^gradients.csv: no row says where the line ends; name its end\.$"):
+    with pytest.raises(ScenarioError, match=r"^gradients.csv: no row has the end of the line; name it\.$"):
         build_line(gradients=gradients)
     assert build_line(gradients=gradients, end_m=500).line.length_m == 400
 

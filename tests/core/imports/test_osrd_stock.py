@@ -51,7 +51,7 @@ def test_a_rolling_stock_becomes_a_vehicle():
         "osrd-stock.json: 1 curve of 25000V under conditions.",
     )
     assert told(vehicle, "assumption") == [
-        "osrd-stock.json: it tells of no electric brake: friction brakes for 0.6 m/s2, and nothing goes back.",
+        "osrd-stock.json: no electric brake is given: friction brakes for 0.6 m/s2, and nothing goes back.",
         "osrd-stock.json: no losses are given: a drive without losses.",
     ]
     assert told(vehicle, "question") == []

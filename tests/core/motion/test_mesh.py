@@ -82,7 +82,7 @@ def test_a_mesh_of_more_than_200000_cells():
 
 def test_a_line_of_too_many_sections():
     line = Line.model_validate({"sections": [{"length_m": 1}] * 2000})
-    assert enough_words(line, 1000) == ", and sections, limits and stops of the line alone make 2,006."
+    assert enough_words(line, 1000) == ", and sections, limits and stops of the line already make 2,006."
 
 
 @given(st.integers(100, 5000), st.sampled_from(["metro-10-stations", "liashenko-ii", "flat-950m"]))

@@ -80,11 +80,11 @@ CASES = {
     ),
     "stations out of order": (
         {"line.stations": [{"position_m": 900}, {"position_m": 100}]},
-        "line.stations must have rising positions, at least 1 m apart.",
+        "line.stations must have rising positions with distances of at least 1 m.",
     ),
     "two stations in one place": (
         {"line.stations": [{"position_m": 900}, {"position_m": 900.5}]},
-        "line.stations must have rising positions, at least 1 m apart.",
+        "line.stations must have rising positions with distances of at least 1 m.",
     ),
     "unknown strategy": ({"strategy": "best"}, "strategy = 'best' must be 'optimal', 'bellman', 'eoc'"),
     "unknown distribution": (

@@ -127,7 +127,7 @@ def test_each_kind_of_drive_has_its_own_voltage():
     if machine.machine is not None:
         lowered = machine.at_voltage(0.5).machine.max_phase_voltage_v
         assert lowered == pytest.approx(0.5 * machine.machine.max_phase_voltage_v)
-    assert (induction.knows_voltage, plain.knows_voltage, machine.knows_voltage) == (True, False, False)
+    assert (induction.has_voltage_limit, plain.has_voltage_limit, machine.has_voltage_limit) == (True, False, False)
 
 
 def test_at_a_lower_voltage_power_falls_up_to_the_top_speed():

@@ -46,7 +46,7 @@ def test_the_table_fills_cell_by_cell():
 
 def test_a_train_that_knows_its_load_loses_nothing_by_it():
     scenario = load_scenario("liashenko-ii")
-    table = sensitivity(scenario, [0.0, 1.0], [0.0], both_directions=False, knows="load")
+    table = sensitivity(scenario, [0.0, 1.0], [0.0], both_directions=False, known="load")
     assert table.over_replanned == pytest.approx(np.zeros((2, 1)), abs=1e-9)
     own = plan_for(scenario.replace(**{"vehicle.load_factor": 1.0})).energy_kwh
     assert table.energy_kwh[1, 0] == pytest.approx(own, rel=1e-9)
@@ -54,8 +54,8 @@ def test_a_train_that_knows_its_load_loses_nothing_by_it():
 
 def test_a_train_that_knows_its_place_loses_nothing_by_its_error():
     wrong = sensitivity(load_scenario("liashenko-i"), [0.5], [-20.0, 20.0], both_directions=False)
-    known = sensitivity(load_scenario("liashenko-i"), [0.5], [-20.0, 20.0], both_directions=False, knows="place")
-    both = sensitivity(load_scenario("liashenko-i"), [0.9], [20.0], both_directions=False, knows="both")
+    known = sensitivity(load_scenario("liashenko-i"), [0.5], [-20.0, 20.0], both_directions=False, known="place")
+    both = sensitivity(load_scenario("liashenko-i"), [0.9], [20.0], both_directions=False, known="both")
     assert np.all(wrong.overconsumption > 0.005)
     assert known.overconsumption == pytest.approx(np.zeros((1, 2)), abs=1e-9)
     assert both.over_replanned == pytest.approx(np.zeros((1, 1)), abs=1e-9)

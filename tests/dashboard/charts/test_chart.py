@@ -13,7 +13,7 @@ from bokeh.plotting import figure
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.dress import check_complete
-from railjoule.dashboard.charts.elements import figure_of
+from railjoule.dashboard.charts.elements import render_figure
 from railjoule.dashboard.look.paint import Palette
 
 
@@ -70,7 +70,7 @@ def test_a_figure_that_lacks_what_its_models_need_is_not_sent() -> None:
 
 
 def _of_points() -> figure:
-    return figure_of(lambda: hv.Points([(1.0, 2.0), (3.0, 4.0)]))
+    return render_figure(lambda: hv.Points([(1.0, 2.0), (3.0, 4.0)]))
 
 
 def test_the_page_being_served_meanwhile_is_left_alone() -> None:

@@ -39,7 +39,7 @@ def test_the_braking_curve_lies_where_the_run_passes_it_and_has_its_name(over_ti
     here = np.argmin(np.abs(run.position_m - (run.position_m[-1] - 100.0)))
     assert data["y"][here] == pytest.approx(3.6 * np.sqrt(2 * 0.5 * (run.position_m[-1] - run.position_m[here])))
     assert BRAKING_WORDS in chart.sources["names"].data["text"]
-    assert BRAKING_WORDS in [told[0] for told in chart.told["sources"]]
+    assert BRAKING_WORDS in [entry[0] for entry in chart.cursor_data["sources"]]
 
 
 def test_a_vehicle_without_one_takes_it_away_again() -> None:
@@ -47,7 +47,7 @@ def test_a_vehicle_without_one_takes_it_away_again() -> None:
     shown(solve(load_scenario("metro-with-limit"), "fastest"), chart=chart)
     assert list(chart.sources[BRAKING].data["x"]) == []
     assert BRAKING_WORDS not in chart.sources["names"].data["text"]
-    assert BRAKING_WORDS not in [told[0] for told in chart.told["sources"]]
+    assert BRAKING_WORDS not in [entry[0] for entry in chart.cursor_data["sources"]]
 
 
 @pytest.mark.parametrize("over_time", [False, True])

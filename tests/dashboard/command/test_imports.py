@@ -169,7 +169,7 @@ def test_a_table_of_sections_holds_no_neutral_ones(capsys, tmp_path):
     (tmp_path / "neutral.csv").write_text("from,to\n100,200\n")
     words = ("--limits", FILES / "limits.csv", "--neutral", tmp_path / "neutral.csv")
     _, told = imported(capsys, "intervals", *words, "-o", tmp_path / "line.csv")
-    assert "not used: line.csv: it holds sections alone, no neutral ones." in told
+    assert "not used: line.csv: it contains only sections, no neutral ones." in told
     _, told = imported(capsys, "intervals", *words, "-o", tmp_path / "line.toml")
     assert "neutral" not in told
 

@@ -132,7 +132,7 @@ def test_a_stopped_sweep_goes_on_to_the_same_table(capsys, tmp_path, monkeypatch
     assert kept.exists()
     assert not target.exists()
     go_on()
-    assert "--resume goes on with it; to begin anew, remove it" in complaint(capsys, target, sample="500")
+    assert "--resume goes on with it; to begin again, remove it" in complaint(capsys, target, sample="500")
     assert "another study, whose seed differs: 0, not 1" in complaint(
         capsys, target, "--resume", "--seed", "1", sample="500"
     )

@@ -4,7 +4,7 @@ import pytest
 from name_units import WITHOUT_UNIT, unit_of
 
 from railjoule.core.scenario import Scenario
-from railjoule.dashboard.editor.fields_of import Field, Table, models_of, parts_of
+from railjoule.dashboard.editor.fields_of import Field, Table, model_names, parts_of
 from railjoule.dashboard.editor.model import GROUPS
 from railjoule.dashboard.look.key_names import split_unit
 
@@ -12,7 +12,7 @@ from railjoule.dashboard.look.key_names import split_unit
 def all_fields() -> list[Field]:
     """Return all fields of all groups, those of all kinds of drives and of all tables."""
     parts = [part for tables in GROUPS.values() for name in tables if name != "drive" for part in parts_of(name)]
-    parts += [part for model in models_of("drive") for part in parts_of("drive", model)]
+    parts += [part for model in model_names("drive") for part in parts_of("drive", model)]
     return [field for part in parts for field in (part.columns if isinstance(part, Table) else [part])]
 
 

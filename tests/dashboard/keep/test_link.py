@@ -165,7 +165,7 @@ def test_any_link_is_read_within_bounds(pairs: dict[str, str], versioned: bool) 
     for key, value in read.snapshot.items():
         model, name = known[key]
         assert model.checked(name, value) == value
-        low, high = model.bounds_of(name)
+        low, high = model.field_bounds(name)
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             assert low is None or value >= low
             assert high is None or value <= high

@@ -53,7 +53,7 @@ def test_a_pin_that_cannot_be_run_is_told_and_the_others_stay() -> None:
     kept = state.kept_pins[0].keep()
     lay(state, snapshot_of(state) | {"kept_pins": [{**kept, "changes": {"timetable.travel_time_s": 5.0}}]})
     await_(lambda: bool(state.notice))
-    assert state.notice.startswith("What was pinned cannot be run again: ")
+    assert state.notice.startswith("The pinned runs cannot be computed again: ")
     assert [one.keep() for one in state.kept_pins] == [kept]
 
 

@@ -11,7 +11,7 @@ from documents import blocks, text_of
 
 import railjoule.dashboard
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.glossary import MOST_WORDS, TERMS, Term, info, term_of, texts
+from railjoule.dashboard.look.glossary import MOST_WORDS, TERMS, Term, find_term, info, texts
 from railjoule.dashboard.workbench import Workbench
 
 DASHBOARD = Path(railjoule.dashboard.__file__).parent
@@ -60,11 +60,11 @@ def test_every_number_of_a_head_is_explained(modules: Callable[[], Iterator[ast.
     for call, labels in found:
         assert labels, f"give it a term: {call}"
         for label in labels:
-            assert not label or term_of(label) is not None, f"no entry for {label!r}: {call}"
+            assert not label or find_term(label) is not None, f"no entry for {label!r}: {call}"
 
 
 def test_every_strategy_is_explained() -> None:
-    assert all(term_of(label) is not None for label in words.STRATEGY_WORDS.values())
+    assert all(find_term(label) is not None for label in words.STRATEGY_WORDS.values())
 
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: term.slug)

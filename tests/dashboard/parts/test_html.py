@@ -186,7 +186,7 @@ def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(r
     dearer = replace(enoc, price_of_time_w=2 * optimum.price_of_time_w)
     told = parts.price_figure(enoc, optimum)
     assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s more: \u22120.30 %" in plain(told)
-    assert "title='That of the optimum'" in told
+    assert "title='Value of the optimum'" in told
     told = parts.price_figure(dearer, optimum)
     assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s more: \u22120.59 %" in plain(told)
     assert "title" not in told

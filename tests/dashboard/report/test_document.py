@@ -198,7 +198,7 @@ def test_every_section_that_can_be_chosen_is_made() -> None:
 
 
 def test_the_sections_that_are_chosen_stand_in_the_report_s_order(page: str, findings: Findings) -> None:
-    assert headings(chosen(findings, "scenario", "proof")) == ["What is proven", "Scenario"]
+    assert headings(chosen(findings, "scenario", "proof")) == ["Lower bound", "Scenario"]
     # this scenario is disturbed and has neither pinned runs nor a second scenario
     titles = {**SECTION_TITLES, "reality": "Under the disturbance"}
     assert headings(page) == [title for name, title in titles.items() if name not in {"pinned", "second"}]

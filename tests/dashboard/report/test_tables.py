@@ -8,7 +8,7 @@ def rows(scenario: Scenario) -> list[list[str]]:
     found = []
     for table in scenario_tables(scenario):
         for row in table.rows:
-            meaning = [row.meaning] if isinstance(row, FieldRow) and row.says_more else []
+            meaning = [row.meaning] if isinstance(row, FieldRow) and row.adds_to_name else []
             cells = [" ".join([row.quantity, *meaning]), row.value, row.unit] if isinstance(row, FieldRow) else [*row]
             found.append(cells)
     return found

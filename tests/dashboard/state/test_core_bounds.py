@@ -143,7 +143,7 @@ NO_SINGLE_KEY = {
 
 def ends(model: TypedParameters, field: str) -> list[float]:
     """Return the least and the largest number that a field takes."""
-    (low, high), (low_in, high_in) = model.bounds_of(field), model.closed_ends(field)
+    (low, high), (low_in, high_in) = model.field_bounds(field), model.closed_ends(field)
     # just inside of an end that it does not take itself
     low = low if low is None or low_in else low + 1e-9
     high = high if high is None or high_in else high - 1e-9

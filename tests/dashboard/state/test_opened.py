@@ -17,12 +17,12 @@ def test_a_text_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
         raise ScenarioError(f"{source}: no.")
 
     monkeypatch.setattr(draft, "parse_scenario", parse)
-    draft.outcome_of.cache_clear()
+    draft.try_opening.cache_clear()
     for name in ("one.toml", "another.toml"):
         with pytest.raises(ScenarioError, match=f"^{name}: no\\.$"):
             open_scenario("text", name)
     assert read == ["text"]
-    draft.outcome_of.cache_clear()
+    draft.try_opening.cache_clear()
 
 
 def test_what_is_kept_gives_the_scenario_again() -> None:
@@ -67,7 +67,7 @@ def test_memory_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> No
         raise MemoryError
 
     monkeypatch.setattr(draft, "parse_scenario", parse)
-    draft.outcome_of.cache_clear()
+    draft.try_opening.cache_clear()
     with pytest.raises(ScenarioError, match=r"^x: not enough memory on the server to read it\.$"):
         open_scenario("text", "x")
-    draft.outcome_of.cache_clear()
+    draft.try_opening.cache_clear()

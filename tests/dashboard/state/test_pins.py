@@ -2,7 +2,7 @@ import pytest
 
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.dashboard.pages.compare.contenders import contenders, find_reference
-from railjoule.dashboard.state.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, recipe_of
+from railjoule.dashboard.state.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, make_recipe
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.workbench import Workbench
 
@@ -51,7 +51,7 @@ def test_a_scenario_from_a_file_is_kept_as_its_document(state: Workbench) -> Non
         "mine.toml",
     )
     state.scenario.travel_time_s = 110.0
-    recipe = recipe_of(state.scenario, state.scenario.scenario(), "optimal")
+    recipe = make_recipe(state.scenario, state.scenario.scenario(), "optimal")
     assert recipe.preset is None
     assert recipe.changes == {"timetable.travel_time_s": 110.0}
     assert recipe.scenario == state.scenario.scenario()

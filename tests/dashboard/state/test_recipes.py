@@ -222,11 +222,11 @@ def test_all_that_leaves_a_page_gives_its_number(
     reporting.model.param.trigger("wanted")
     (request,) = asked
     if not case.has_command:
-        assert recipe.untold
-        assert as_command(recipe).startswith(f"# No command line gives this: {recipe.untold}\n")
-        assert request.note.startswith(recipe.untold)
+        assert recipe.program_note
+        assert as_command(recipe).startswith(f"# No command line gives this: {recipe.program_note}\n")
+        assert request.note.startswith(recipe.program_note)
         return
-    assert recipe.untold == request.note == ""
+    assert recipe.program_note == request.note == ""
     assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy_kwh, rel=1e-9)
     assert reported(request)[-1] == pytest.approx(energy_kwh, rel=1e-9)
 
@@ -248,7 +248,7 @@ def energy_of_command(text: str, folder: Path, capsys: pytest.CaptureFixture[str
 
 
 def test_a_name_cannot_become_a_command() -> None:
-    recipe = Recipe("x", None, {}, program=Program({}, "", ""), untold="Harbour\nrm -r .\r\x0b\u2028x")
+    recipe = Recipe("x", None, {}, program=Program({}, "", ""), program_note="Harbour\nrm -r .\r\x0b\u2028x")
     lines = as_command(recipe).splitlines()
     assert len(lines) == 2
     assert all(line.startswith("# ") for line in lines)

@@ -10,7 +10,7 @@ from bokeh.models import FullscreenTool, GlyphRenderer, HoverTool, SaveTool
 from bokeh.plotting import figure
 
 from railjoule.dashboard.app import Session
-from railjoule.dashboard.charts.dress import DARK_INK, WHITE, dress_alone
+from railjoule.dashboard.charts.dress import DARK_INK, WHITE, dress_single
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
 from railjoule.dashboard.page_list import PAGES
@@ -202,6 +202,6 @@ def has_toolbar(f):
 @pytest.mark.parametrize("keeps_hover", [True, False])
 def test_figures_that_are_made_in_threads_have_the_toolbar(keeps_hover):
     f = figure(tools="pan,hover,save,reset")
-    dress_alone(f, "Energy, kWh", Palette(dark=True), keeps_hover=keeps_hover)
+    dress_single(f, "Energy, kWh", Palette(dark=True), keeps_hover=keeps_hover)
     assert has_toolbar(f)
     assert {type(tool) for tool in f.tools} == {FullscreenTool, SaveTool} | ({HoverTool} if keeps_hover else set())

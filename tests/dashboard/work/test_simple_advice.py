@@ -10,7 +10,7 @@ from railjoule.dashboard.work.simple_advice import (
     LITTLE_ENERGY_SHARE,
     by_changes,
     choose_simple,
-    first_told,
+    first_cheap_run,
 )
 
 
@@ -31,12 +31,12 @@ def advice(*energies: float, optimum: float | None = 10.0, refused: tuple[int, .
 
 def test_the_fewest_changes_that_cost_at_most_a_hundredth_are_told_first() -> None:
     dear, cheap = 10 * (1 + 1.01 * LITTLE_ENERGY_SHARE), 10 * (1 + 0.99 * LITTLE_ENERGY_SHARE)
-    assert first_told(advice(12.0, dear, cheap, 10.001)).changes == 4
-    assert first_told(advice(12.0, 11.0)).changes == 3
+    assert first_cheap_run(advice(12.0, dear, cheap, 10.001)).changes == 4
+    assert first_cheap_run(advice(12.0, 11.0)).changes == 3
     # without an optimum nothing is known to be cheap
-    assert first_told(advice(12.0, 11.0, 10.0, optimum=None)).changes == 4
+    assert first_cheap_run(advice(12.0, 11.0, 10.0, optimum=None)).changes == 4
     # less than nothing, where the line gives energy back: a hundredth of -10 kWh lies above it
-    assert first_told(advice(-9.0, -9.95, optimum=-10.0)).changes == 3
+    assert first_cheap_run(advice(-9.0, -9.95, optimum=-10.0)).changes == 3
 
 
 def test_of_two_runs_with_as_many_changes_the_cheaper_one_is_told() -> None:

@@ -12,7 +12,7 @@ from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.bellman import bellman_with_law
 from railjoule.dashboard.look.tokens import LIGHT
 from railjoule.dashboard.pages.drive.charts import COLUMNS, ROWS, sampled
-from railjoule.dashboard.pages.drive.sankey import BACK, BRAKE, DRIVE, LINE, TRAIN, links_of, sankey
+from railjoule.dashboard.pages.drive.sankey import BACK, BRAKE, DRIVE, LINE, TRAIN, build_links, sankey
 from railjoule.dashboard.pages.drive.texts import actual_figures, causes_block
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -23,7 +23,7 @@ def flow(request: pytest.FixtureRequest) -> EnergyFlow:
 
 
 def test_as_much_arrives_at_a_knot_as_leaves_it(flow: EnergyFlow) -> None:
-    links = links_of(flow)
+    links = build_links(flow)
     for knot in (DRIVE, TRAIN, BRAKE):
         arriving = sum(link.joules for link in links if link.target == knot)
         leaving = sum(link.joules for link in links if link.source == knot)
@@ -40,8 +40,8 @@ def test_the_svg_stays_within_its_width_and_says_its_numbers(flow: EnergyFlow, w
     svg = ElementTree.fromstring(markup[markup.index("<svg") : markup.index("</svg>") + 6])
     assert svg.get("role") == "img"
     name = "{http://www.w3.org/2000/svg}"
-    assert len(svg.findall(f"{name}path")) >= len(links_of(flow))
-    for link in links_of(flow):
+    assert len(svg.findall(f"{name}path")) >= len(build_links(flow))
+    for link in build_links(flow):
         assert f"{link.source} to {link.target}" in (svg.get("aria-label") or "")
     starts = [float(x) for x in re.findall(r'<(?:rect|text) x="([-0-9.]+)"', markup)]
     assert min(starts) >= 0
@@ -79,14 +79,14 @@ def test_less_energy_by_a_miss_is_no_saving() -> None:
     assert actual.extra_kwh < 0
     assert actual.stop_error_m == -10
     assert re.match(r"Actual run [\d.]+ m short of the stop [\d.]+ kWh against 7\.81 planned", head)
-    assert "Where the 0." in causes
-    assert "kWh less comes from" in causes
+    assert "Causes of the difference: 0." in causes
+    assert "kWh less" in causes
     assert "run saves" not in head
-    assert "saved" not in causes
+    assert "saving" not in causes
 
 
 def test_less_energy_in_time_is_a_saving() -> None:
     actual, head, causes = told(0.0, 0.0)
     assert actual.extra_kwh < 0
     assert head.startswith("Actual run saves \u2212")
-    assert "Where the saved " in causes
+    assert "Causes of the saving: " in causes

@@ -116,7 +116,7 @@ def test_the_first_stage_follows_the_run(desk: Desk, prover: Prover) -> None:
     assert not desk.page.proving
     assert not desk.page.proving_further
     assert desk.words.startswith(
-        "What is proven No way of driving this train over this line within 95.0 s uses less than "
+        "Lower bound No way of driving this train over this line within 95.0 s uses less than "
     )
     assert desk.page.prove.visible
     assert desk.page.prove.label == "Prove further"

@@ -19,9 +19,9 @@ from railjoule.dashboard.pages.explore.charts import (
     RUNS,
     SCALES,
     HistogramChart,
-    apart,
     coloured,
     short_numbers,
+    spread_signs,
 )
 from railjoule.dashboard.pages.explore.compute import ENERGY, Look, LookRequest, Raster, compute_look
 from railjoule.dashboard.pages.explore.table import study_columns, study_table
@@ -125,7 +125,7 @@ def test_a_histogram_has_the_colours_of_the_theme(table: SweepTable) -> None:
 
 
 def test_signs_do_not_lie_over_each_other() -> None:
-    moved = apart([1.0, 1.001, 9.0], (0.0, 10.0), 0.05)
+    moved = spread_signs([1.0, 1.001, 9.0], (0.0, 10.0), 0.05)
     assert moved == [1.0, 1.5, 9.0]
 
 

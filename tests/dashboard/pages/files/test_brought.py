@@ -6,7 +6,7 @@ import pytest
 
 from railjoule.core.imports import SourceFile
 from railjoule.dashboard.pages.files.brought import Brought
-from railjoule.dashboard.pages.files.cards import card_of
+from railjoule.dashboard.pages.files.cards import build_card
 
 ASSETS = Path(__file__).parents[4] / "assets"
 FILES = Path(__file__).parents[3] / "core" / "imports" / "files"
@@ -52,14 +52,14 @@ HOSTILE = {
 
 @pytest.mark.parametrize("name", ["osrd-stock.json", "railtoolkit-train.yaml"])
 def test_a_file_that_only_the_command_line_reads_names_the_command(name: str) -> None:
-    failure = card_of(Brought(1, name, (FILES / name).read_bytes())).failure
+    failure = build_card(Brought(1, name, (FILES / name).read_bytes())).failure
     assert failure.endswith("files of OSRD and railtoolkit are read by the command railjoule import.")
 
 
 @pytest.mark.parametrize("content", HOSTILE.values(), ids=list(HOSTILE))
 @pytest.mark.parametrize("name", ["a.csv", "a.json", "a.yaml", "limits<img src=x>.xlsx"])
 def test_hostile_content_gets_one_sentence(name: str, content: bytes) -> None:
-    card = card_of(Brought(1, name, content))
+    card = build_card(Brought(1, name, content))
     assert card.result is None
     assert card.failure.startswith(name)
     assert card.failure.endswith(".")

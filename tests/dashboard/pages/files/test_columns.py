@@ -10,7 +10,7 @@ from railjoule.dashboard.pages.files.columns import (
     MAX_ROWS,
     Meaning,
     RunFile,
-    meanings_of,
+    read_meanings,
     read_run_file,
     read_runs,
     run_sheets,
@@ -29,7 +29,7 @@ def file(header: str, *rows: str) -> RunFile:
 
 
 def test_columns_are_known_by_their_names() -> None:
-    found = meanings_of(file("time_s,position_m,speed_kmh,effort_kn,notch"), {})
+    found = read_meanings(file("time_s,position_m,speed_kmh,effort_kn,notch"), {})
     assert found == {
         "time_s": Meaning("time", "s"),
         "position_m": Meaning("position", "m"),
@@ -42,7 +42,7 @@ def test_columns_are_known_by_their_names() -> None:
 def test_the_columns_of_a_published_set_are_known() -> None:
     # Widmer, Ritter, Onder: ZTBus, whose efforts are N and speeds m/s
     names = "time_unix,odometry_vehicleSpeed,traction_tractionForce,electric_powerDemand,traction_brakePressure"
-    found = meanings_of(file(names), {})
+    found = read_meanings(file(names), {})
     assert found["traction_tractionForce"] == Meaning("effort", "N")
     assert found["odometry_vehicleSpeed"] == Meaning("speed", "m/s")
 
@@ -50,7 +50,7 @@ def test_the_columns_of_a_published_set_are_known() -> None:
 def test_what_a_user_says_goes_before_names() -> None:
     table = file("time_s,weg,speed_kmh,effort_kn,x")
     answers = {"weg": "position m", "effort_kn": "", "x": "nonsense furlong"}
-    found = meanings_of(table, answers)
+    found = read_meanings(table, answers)
     assert found["weg"] == Meaning("position", "m")
     assert found["effort_kn"] == found["x"] == Meaning("")
 
@@ -145,7 +145,7 @@ def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
     book.save(written)
     found = read_runs(SourceFile("runs.xlsx", written.getvalue()))
     assert [file.name for file in found] == ["runs.xlsx, Monday", "runs.xlsx, Tuesday"]
-    cells, form = used_table(found[1], meanings_of(found[1], {}))
+    cells, form = used_table(found[1], read_meanings(found[1], {}))
     assert to_recording(cells, form).name == "runs.xlsx, Tuesday"
     assert "Sheets that are not read as a run: About." in to_recording(cells, form).notes
     with pytest.raises(

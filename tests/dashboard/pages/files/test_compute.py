@@ -9,7 +9,7 @@ import pytest
 from railjoule.core import Scenario, load_scenario
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.pages.files.brought import Brought
-from railjoule.dashboard.pages.files.cards import card_of
+from railjoule.dashboard.pages.files.cards import build_card
 from railjoule.dashboard.pages.files.compute import (
     Reading,
     Request,
@@ -44,7 +44,7 @@ def brought(*names: str) -> tuple[Brought, ...]:
 
 
 def test_the_example_asks_for_its_track() -> None:
-    cards = [card_of(Brought(1, one.name, one.content)) for one in sources(EXAMPLE_LINE)]
+    cards = [build_card(Brought(1, one.name, one.content)) for one in sources(EXAMPLE_LINE)]
     assert [card.kind for card in cards] == ["limits", "gradients", "curves"]
     failures = [card.failure for card in cards]
     assert failures == ["", "example-gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one.", ""]
@@ -117,14 +117,14 @@ def test_a_unit_in_doubt_is_asked_and_answered(base: Scenario) -> None:
     document = json.loads((FILES / "ttobench-train.json").read_text())
     document["max traction force"] = {"unit": "N", "value": 190}
     file = Brought(1, "train.json", json.dumps(document).encode())
-    (question,) = card_of(file).questions
+    (question,) = build_card(file).questions
     assert question.sentence == "vehicle.traction.max_effort_kn = 0.19 kN for a train of 160 t: was 190 kN meant?"
     assert [word for word, _ in question.answers] == ["Use 190 kN", "Keep 0.19 kN"]
     use, keep = (value for _, value in question.answers)
-    used = card_of(file.with_choice(question.key, use))
+    used = build_card(file.with_choice(question.key, use))
     assert used.questions == ()
     assert used.result.vehicle.traction.max_effort_kn == 190
-    kept = card_of(file.with_choice(question.key, keep))
+    kept = build_card(file.with_choice(question.key, keep))
     assert kept.questions == ()
     assert kept.result.vehicle.traction.max_effort_kn == 0.19
 
@@ -132,10 +132,10 @@ def test_a_unit_in_doubt_is_asked_and_answered(base: Scenario) -> None:
 def test_positions_in_doubt_are_asked_and_answered() -> None:
     content = b"from,to,gradient_permille\n0,1.5,2\n1.5,4,-3\n"
     file = Brought(1, "g.csv", content)
-    (question,) = card_of(file).questions
+    (question,) = build_card(file).questions
     assert (question.sentence, question.answers) == ("Positions in km or in m?", (("Use km", "km"), ("Keep m", "m")))
-    assert card_of(file.with_choice(question.key, "km")).result.end_m == 4000
-    assert card_of(file.with_choice(question.key, "m")).questions == ()
+    assert build_card(file.with_choice(question.key, "km")).result.end_m == 4000
+    assert build_card(file.with_choice(question.key, "m")).questions == ()
 
 
 def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -> None:
@@ -161,10 +161,10 @@ def offers_with(base: Scenario, gradients: Brought) -> dict[str, tuple[str, ...]
 def test_a_line_waits_for_a_file_that_cannot_be_read(base: Scenario) -> None:
     """Both faults of one file: rows of two tracks, and behind that choice a cell that is no number."""
     file = Brought(2, "gradients.csv", TWO_FAULTS)
-    assert card_of(file).failure == "gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one."
+    assert build_card(file).failure == "gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one."
     assert offers_with(base, file) == {"line": ("the gradients",)}
     file = file.with_choice("rows NOM_VOIE", "V1")
-    assert card_of(file).failure == "gradients.csv, row 3: VALEUR = 'abc' must be a number."
+    assert build_card(file).failure == "gradients.csv, row 3: VALEUR = 'abc' must be a number."
     assert offers_with(base, file) == {"line": ("the gradients",)}
     assert offers_with(base, file.with_choice("rows NOM_VOIE", "V2")) == {"line": ()}
 
@@ -184,23 +184,23 @@ def test_a_train_does_not_wait_for_gradients(base: Scenario) -> None:
 
 def test_a_unit_that_is_not_understood_is_chosen_on_the_card() -> None:
     file = Brought(1, "g.csv", b"from_m,to_m,gradient (x)\n0,500,1.2\n")
-    card = card_of(file)
-    assert card.failure == "g.csv: 'gradient (x)' says 'x', which is not understood; choose the unit."
+    card = build_card(file)
+    assert card.failure == "g.csv: 'gradient (x)' contains 'x', which is not understood; choose the unit."
     choice = next(choice for choice in card.choices if choice.key == "value_unit")
     assert (choice.value, choice.options[:3]) == (
         "",
         (("", "choose"), ("permille", "per mille"), ("percent", "per cent")),
     )
     assert card.questions == ()
-    answered = card_of(file.with_choice("value_unit", "percent"))
+    answered = build_card(file.with_choice("value_unit", "percent"))
     assert (answered.failure, answered.result.intervals[0].value) == ("", 12)
-    assert card_of(file.with_choice("value_unit", "percent").with_choice("value_unit", "")).failure == card.failure
+    assert build_card(file.with_choice("value_unit", "percent").with_choice("value_unit", "")).failure == card.failure
 
 
 def test_a_code_page_is_chosen_on_the_card() -> None:
     text = "Початок, км;Кінець, км;Ухил, \u2030\n0;0,5;3,5\n"
     file = Brought(1, "gradients.csv", text.encode("cp1251"))
-    card = card_of(file)
+    card = build_card(file)
     assert (card.failure, card.kind, card.choices[0].label, card.choices[0].value) == (
         "",
         "gradients",
@@ -208,14 +208,14 @@ def test_a_code_page_is_chosen_on_the_card() -> None:
         "cp1251",
     )
     assert card.findings == ("Not UTF-8, and so read as Windows-1251.",)
-    assert card_of(file.with_choice("encoding", "cp1252")).failure.startswith("gradients.csv: no column says where")
+    assert build_card(file.with_choice("encoding", "cp1252")).failure.startswith("gradients.csv: no column has the")
     # Polish in Latin-2 is in no code page that is looked for
     polish = "od;do;pochylenie \u015brednie (\u2030)\n0;500;3\n".replace("\u2030", "o/oo").encode("iso8859_2")
     file = Brought(1, "gradients.csv", polish)
-    card = card_of(file)
+    card = build_card(file)
     assert card.failure == (
         "gradients.csv: not UTF-8, and none of Windows-1250, -1251, -1252 and GBK is possible; save it as UTF-8, or "
         "name its code page."
     )
     assert [choice.key for choice in card.choices] == ["encoding"]
-    assert card_of(file.with_choice("encoding", "iso8859_2")).cells.header[2] == "pochylenie \u015brednie (o/oo)"
+    assert build_card(file.with_choice("encoding", "iso8859_2")).cells.header[2] == "pochylenie \u015brednie (o/oo)"

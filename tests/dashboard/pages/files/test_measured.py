@@ -71,7 +71,7 @@ def test_a_fit_to_the_examples_finds_their_train_and_is_one_step(page: Files) ->
     }.items():
         assert found[name].low <= true <= found[name].high
     shown = str(texts.fit_block(measured))
-    assert "B and C cannot be told apart from these runs" in shown
+    assert "B and C cannot be separated by these runs" in shown
     assert "errors of the gauges leave Auxiliaries open" in shown
     assert "gain of the effort 2 %" in shown
     before, heard = texts.model_error(measured.runs[0]), []

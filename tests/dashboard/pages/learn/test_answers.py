@@ -7,11 +7,11 @@ from railjoule.dashboard.pages.learn.answers import (
     NUMBERS,
     WITHOUT,
     Answer,
-    answer_of,
     braked_away_kwh,
     cells,
     energies_at,
     energy_table,
+    find_answer,
     motors_off_m,
 )
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
@@ -25,7 +25,7 @@ def result(lesson: str, at: float) -> LessonResult:
 
 
 def answer(lesson: str, at: float) -> Answer:
-    return answer_of(BY_NAME[lesson], result(lesson, at))
+    return find_answer(BY_NAME[lesson], result(lesson, at))
 
 
 def test_each_lesson_has_an_answer() -> None:

@@ -42,7 +42,7 @@ def test_a_run_that_is_to_be_guessed_is_not_in_the_figure(result: LessonResult) 
     chart.show(lambda: chart.draw(result, revealed=False))
     chart.axis.settle_over(False)
     assert not any(len(column) for column in first.data.values())
-    assert [name for name, *_ in chart.told["sources"]] == ["with one more second"]
+    assert [name for name, *_ in chart.cursor_data["sources"]] == ["with one more second"]
     chart.show(lambda: chart.draw(result))
     chart.axis.settle_over(False)
     assert max(first.data["speed"]) == pytest.approx(result.runs["optimum"].max_speed_kmh, rel=1e-6)

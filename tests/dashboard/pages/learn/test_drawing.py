@@ -11,10 +11,10 @@ from railjoule.dashboard.pages.learn.drawing import (
     TARGET_S,
     begin,
     drawing_lesson,
+    drive_drawing,
     judge,
     opened,
     read_drawing,
-    run_of,
 )
 
 EVEN = ",".join(["60"] * POINTS)
@@ -37,13 +37,13 @@ def test_nothing_of_the_best_is_sent_before_it_is_asked_for() -> None:
     assert set(begun) == {"points"}
     # the drawing to begin with is the fastest run
     shortest = prepare_task(drawing_lesson()[0]).shortest_travel_time_s
-    assert run_of(begun["points"]).travel_time_s == pytest.approx(shortest, rel=1e-9)
+    assert drive_drawing(begun["points"]).travel_time_s == pytest.approx(shortest, rel=1e-9)
     assert shortest < TARGET_S
 
 
 @pytest.mark.parametrize("speeds", [(60,) * POINTS, (5,) * POINTS, (80,) * POINTS, (40,) * 17 + (70,) * 10 + (30,) * 8])
 def test_a_drawing_is_compared_with_the_best_that_arrives_in_time(speeds: tuple[int, ...]) -> None:
-    verdict, run = judge(text_of(speeds)), run_of(speeds)
+    verdict, run = judge(text_of(speeds)), drive_drawing(speeds)
     assert verdict.proven
     assert verdict.kwh > verdict.bound_kwh
     assert verdict.late_s == pytest.approx(run.travel_time_s - TARGET_S)

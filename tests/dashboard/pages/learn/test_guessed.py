@@ -7,7 +7,7 @@ import pytest
 
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.learn.answers import answer_of
+from railjoule.dashboard.pages.learn.answers import find_answer
 from railjoule.dashboard.pages.learn.guessed import AGAIN, GUESS, GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
@@ -38,7 +38,7 @@ def test_nothing_of_the_optimum_is_on_the_page_before_a_guess(learn: Any, number
     view, lesson = learn.guessed[number], LESSONS[number]
     result = learn.lessons[lesson.name]
     best = next(iter(result.runs.values()))
-    hidden = (f">{words.energy(best.energy_kwh)}<", answer_of(lesson, result).because, lesson.answer, lesson.text)
+    hidden = (f">{words.energy(best.energy_kwh)}<", find_answer(lesson, result).because, lesson.answer, lesson.text)
     for _ in range(2):
         assert not any(one in shown(view) for one in hidden)
         assert points(view) == 0

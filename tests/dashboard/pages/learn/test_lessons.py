@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from railjoule.dashboard.pages.learn.answers import Answer, answer_of
+from railjoule.dashboard.pages.learn.answers import Answer, find_answer
 from railjoule.dashboard.pages.learn.compute import LESSONS as COMPUTED
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.guessed import guess_html
@@ -68,7 +68,7 @@ def test_a_question_is_short_and_does_not_tell_its_answer(lesson: Lesson) -> Non
     question = lesson.ask(lesson.first)
     assert len(question.split()) <= MOST_WORDS_ASKED
     assert question.count("?") == 1
-    answer = answer_of(lesson, result(lesson.name, lesson.first)).number
+    answer = find_answer(lesson, result(lesson.name, lesson.first)).number
     assert f"{answer:.0f}" not in re.findall(r"\d+", question)
     # nor does the field in which one guesses
     assert abs(lesson.draft_number().default - answer) > lesson.close
@@ -78,11 +78,11 @@ def test_a_question_is_short_and_does_not_tell_its_answer(lesson: Lesson) -> Non
 def test_every_answer_can_be_guessed(lesson: Lesson) -> None:
     low, high = lesson.guess_ends
     for at in (*lesson.ends, lesson.first):
-        answer = answer_of(lesson, result(lesson.name, at)).number
+        answer = find_answer(lesson, result(lesson.name, at)).number
         # an answer of zero may be a little less by rounding
         assert low - 1e-6 <= answer <= high
     # where the lesson begins, a guess can be close
-    first = answer_of(lesson, result(lesson.name, lesson.first)).number
+    first = find_answer(lesson, result(lesson.name, lesson.first)).number
     steps = round((high - low) / lesson.guess_step)
     offered = lesson.choices or [low + k * lesson.guess_step for k in range(steps + 1)]
     assert min(abs(first - one) for one in offered) <= lesson.close

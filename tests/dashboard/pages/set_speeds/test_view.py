@@ -53,7 +53,7 @@ def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str
 
 def test_the_cursor_names_lines_as_their_ends_do(view: SetSpeeds) -> None:
     for chart in (view.host.plots[name] for name in ("limit_speed", "limit_effort", "limit_energy")):
-        assert [one[0] for one in chart.told["sources"]] == ["optimal in the same time", WITH_SET_SPEEDS]
+        assert [one[0] for one in chart.cursor_data["sources"]] == ["optimal in the same time", WITH_SET_SPEEDS]
 
 
 def test_one_section_has_one_step_without_a_movable_end(view: SetSpeeds) -> None:

@@ -11,7 +11,7 @@ from railjoule.dashboard.pages.what_if.chance_charts import chance_table, histog
 from railjoule.dashboard.pages.what_if.heat_map import (
     MEASURES,
     HeatMapChart,
-    colour_of,
+    cell_colour,
     percent_difference,
     printed_table,
 )
@@ -20,12 +20,12 @@ from railjoule.dashboard.pages.what_if.heat_map import (
 @pytest.mark.parametrize("dark", [False, True])
 def test_more_is_warm_and_less_is_cool(dark: bool) -> None:
     palette = Palette(dark)
-    assert colour_of(0.0, 10.0, palette) == palette.costs[0] == palette.savings[0]
-    assert colour_of(10.0, 10.0, palette) == palette.costs[-1]
+    assert cell_colour(0.0, 10.0, palette) == palette.costs[0] == palette.savings[0]
+    assert cell_colour(10.0, 10.0, palette) == palette.costs[-1]
     # a saving of 5.0 % looked like 5.2 % more
-    assert colour_of(-10.0, 10.0, palette) == palette.savings[-1] != palette.costs[-1]
-    assert colour_of(np.nan, 10.0, palette) == palette.tokens["ground"]
-    assert colour_of(0.0, 0.0, palette) == palette.costs[0]
+    assert cell_colour(-10.0, 10.0, palette) == palette.savings[-1] != palette.costs[-1]
+    assert cell_colour(np.nan, 10.0, palette) == palette.tokens["ground"]
+    assert cell_colour(0.0, 0.0, palette) == palette.costs[0]
 
 
 def test_the_printed_table_stands_only_beside_its_own_case() -> None:

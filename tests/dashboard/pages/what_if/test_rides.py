@@ -50,7 +50,7 @@ def test_a_press_drops_an_event_on_the_distance_alone(asked: Conditions) -> None
     assert list(chart.sources["events"].data["text"]) == ["stop 5 s"]
     # as the lines are named
     names = {"undisturbed", "driver", "replanned", "with advance notice"}
-    assert {one[0] for one in chart.told["sources"]} == names == set(chart.sources["names"].data["text"])
+    assert {one[0] for one in chart.cursor_data["sources"]} == names == set(chart.sources["names"].data["text"])
     chart._press(Press)
     chart.draw(runs, model.events, over_time=True)
     assert list(chart.sources["events"].data["text"]) == []
