@@ -15,6 +15,7 @@ from railjoule.core.imports.columns import (
     ColumnMap,
     direction_word,
     line_selectors,
+    require_both_ways,
     resolve,
     same_name,
 )
@@ -75,6 +76,7 @@ def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Import
         cells = chosen_rows(cells, kind, columns_of_strings, wanted, notes)
         rows = TableRows(_intervals_of_strings(cells, columns_of_strings, notes))
     else:
+        require_both_ways(cells, kind, wanted)
         found = resolve(cells, kind, wanted)
         named = (found.begin, found.end, found.value, found.direction)
         cells = chosen_rows(cells, kind, [column for column in named if column], wanted, notes)
@@ -118,7 +120,7 @@ def chosen_rows(cells: CellTable, kind: TableKind, used: Sequence[str], wanted: 
         if not rows:
             known = shown_list(sorted(set(texts)))
             raise ScenarioError(f"{source}: no row has {column} = {show(value)}; there are {known}.")
-    selectors = line_selectors(cells, used)
+    selectors = line_selectors(cells, kind, used)
     for column in selectors:
         values = sorted(set(_texts(cells, rows, column)))
         if len(values) > 1 and column not in chosen:
