@@ -319,14 +319,24 @@ def _guessed(source: str, kind: TableKind, free: list[str], role: str) -> str | 
     return None
 
 
-def require_both_ways(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> None:
-    """Raise ScenarioError if a column counts in one direction: which one the run has, the table cannot say."""
-    one_way = [column for column in cells.header if ONE_WAY & set(_words(column).split())]
-    if one_way and kind != "neutral" and "value" not in wanted.columns:
+def one_way_column(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> str | None:
+    """Find the only column of a kind that counts in one direction, such as maxspeed:forward.
+
+    Raises
+    ------
+    ScenarioError
+        If others stand beside it: which of them counts for the run, the table cannot say.
+    """
+    words = {column: set(_words(column).split()) for column in cells.header}
+    one_way = [column for column in cells.header if ONE_WAY & words[column]]
+    if kind == "neutral" or "value" in wanted.columns or not one_way:
+        return None
+    if sum(words[one_way[0]] - ONE_WAY <= words[column] for column in cells.header) > 1:
         raise ScenarioError(
             f"{cells.source}: {show(one_way[0])} counts in one direction only; name the column for this run, as "
             f"{kind}.value=COLUMN, with a value in each row."
         )
+    return one_way[0]
 
 
 def _by_place(cells: CellTable, kind: IntervalKind) -> dict[str, str | None]:

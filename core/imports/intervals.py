@@ -15,7 +15,7 @@ from railjoule.core.imports.columns import (
     ColumnMap,
     direction_word,
     line_selectors,
-    require_both_ways,
+    one_way_column,
     resolve,
     same_name,
 )
@@ -76,7 +76,8 @@ def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Import
         cells = chosen_rows(cells, kind, columns_of_strings, wanted, notes)
         rows = TableRows(_intervals_of_strings(cells, columns_of_strings, notes))
     else:
-        require_both_ways(cells, kind, wanted)
+        if one_way := one_way_column(cells, kind, wanted):
+            notes.add("reading", f"{one_way!r} is taken as that of the run's direction.")
         found = resolve(cells, kind, wanted)
         named = (found.begin, found.end, found.value, found.direction)
         cells = chosen_rows(cells, kind, [column for column in named if column], wanted, notes)

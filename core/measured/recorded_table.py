@@ -14,7 +14,14 @@ from railjoule.core.errors import RecordingError
 from railjoule.core.imports.cells import CellTable
 from railjoule.core.measured.columns import GENERIC, PRESSURES, RecorderFormat
 from railjoule.core.measured.line_power import sign_words
-from railjoule.core.measured.recording import SHORTEST_RUN_S, distance_m, time_of_positions, tractive_effort_n
+from railjoule.core.measured.recording import (
+    SHORTEST_RUN_S,
+    distance_m,
+    gap_words,
+    missing_s,
+    time_of_positions,
+    tractive_effort_n,
+)
 from railjoule.core.measured.table import (
     FALLING,
     Table,
@@ -130,6 +137,8 @@ def _positions(table: Table, notes: list[str]) -> FloatArray:
     time, speed = table.values["time"], table.values["speed"]
     if "position" not in table.values:
         notes.append("Positions follow from speeds and times.")
+        if words := gap_words(table, missing_s(table, time)):
+            notes.append(f"{words}; the distance there is that of an even change of speed, if the clock is right.")
         return distance_m(time, speed)
     direction = running_direction(table)
     if direction < 0:

@@ -330,24 +330,35 @@ def time_of_positions(table: Table) -> FloatArray:
     return np.append(0.0, np.cumsum(steps))
 
 
-def _gaps(table: Table, time_s: FloatArray, form: RecorderFormat, notes: list[str]) -> FloatArray:
-    """Return for how long samples are missing after each one [s]; shape (n - 1,)."""
+def missing_s(table: Table, time_s: FloatArray) -> FloatArray:
+    """Return for how long samples are missing after each one while the train moves [s]; shape (n - 1,)."""
     steps = np.diff(time_s)
-    if "time" not in table.values:
-        return np.zeros(len(steps))
     usual = float(np.median(steps))
     moving = (table.values["speed"][1:] > 0) | (table.values["speed"][:-1] > 0)
     # a recorder may well sleep while the train stands
-    gaps = np.where((steps > GAP_STEPS * usual) & moving, steps, 0.0)
+    return np.where((steps > GAP_STEPS * usual) & moving, steps, 0.0)
+
+
+def gap_words(table: Table, gaps_s: FloatArray) -> str:
+    """Say after which rows samples are missing, as the begin of a sentence; empty if nowhere."""
+    if not np.any(gaps_s):
+        return ""
+    places = ", ".join(f"{gaps_s[row]:.4g} s after row {table.rows[row]}" for row in np.flatnonzero(gaps_s)[:5])
+    return f"Samples are missing: {places}{' and others' if np.count_nonzero(gaps_s) > 5 else ''}"
+
+
+def _gaps(table: Table, time_s: FloatArray, form: RecorderFormat, notes: list[str]) -> FloatArray:
+    """Return `missing_s`, 0 without a column of time; RecordingError if it is longer than the user allows."""
+    if "time" not in table.values:
+        return np.zeros(len(time_s) - 1)
+    gaps = missing_s(table, time_s)
     for row in np.flatnonzero(gaps > form.longest_gap_s)[:1]:
         raise RecordingError(
             f"{table.source}: after row {table.rows[row]} samples are missing for {gaps[row]:.4g} s while the train "
             f"moves; at most {form.longest_gap_s:g} s are interpolated (--longest-gap)."
         )
-    if np.any(gaps):
-        places = ", ".join(f"{gaps[row]:.4g} s after row {table.rows[row]}" for row in np.flatnonzero(gaps)[:5])
-        more = " and others" if np.count_nonzero(gaps) > 5 else ""
-        notes.append(f"Samples are missing: {places}{more}; the speed there is interpolated.")
+    if words := gap_words(table, gaps):
+        notes.append(f"{words}; the speed there is interpolated.")
     return gaps
 
 

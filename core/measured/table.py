@@ -50,7 +50,9 @@ class Table:
     def shown(self, quantity: str, row: int) -> str:
         """Format a value as the file has it, such as 'speed = 41.5 km/h in row 12'."""
         column = self.columns[quantity]
-        value = plain_number(float(self.values[quantity][row]) / column.factor, 6)
+        # seconds since 1970 differ in their last digits
+        digits = 12 if quantity == "time" else 6
+        value = plain_number(float(self.values[quantity][row]) / column.factor, digits)
         unit = "s" if column.unit == CLOCK else column.unit
         return f"{column.header} = {value} {unit} in row {self.rows[row]}"
 

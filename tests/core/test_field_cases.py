@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import InfeasibleLineError, solve
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import RecordingError, ScenarioError
 from railjoule.core.imports import ColumnMap, SourceFile, build_line, read_intervals, read_stations
 from railjoule.core.imports.osrd_stock import read_osrd_stock
 from railjoule.core.imports.railtoolkit import read_railtoolkit
@@ -308,7 +308,7 @@ def limits_of(text: str, **columns: Any) -> Any:
     ("header", "rows", "words"),
     [
         ("maxspeed,maxspeed:forward,maxspeed:backward", ["90,,60", "90,70,"], "'maxspeed:forward' counts in one"),
-        ("maxspeed:forward", ["90", "70"], "'maxspeed:forward' counts in one direction only; name the column for"),
+        ("maxspeed:forward,maxspeed:backward", ["90,60", "70,"], "'maxspeed:forward' counts in one direction only"),
         (
             "maxspeed,direction",
             ["90,up", "60,down"],
@@ -321,6 +321,11 @@ def test_a_limit_of_one_direction_is_no_limit_of_both(header: str, rows: list[st
     text = f"from_m,to_m,{header}\n0,700,{rows[0]}\n700,1600,{rows[1]}\n"
     with pytest.raises(ScenarioError, match=words):
         limits_of(text)
+
+
+def test_a_limit_of_one_direction_alone_is_told() -> None:
+    (reading,) = (one.sentence for one in limits_of("from_m,to_m,maxspeed:backward [km/h]\n0,700,90\n").findings)
+    assert reading == "l.csv: 'maxspeed:backward [km/h]' is taken as that of the run's direction."
 
 
 def test_the_direction_that_the_user_names_is_read() -> None:
@@ -404,3 +409,33 @@ def test_the_speed_in_the_extension_of_a_point_is_read() -> None:
     more = f"<extensions>{values}</extensions>"
     run = run_table(recorder_cells(track([(t, 16.0 * t, more) for t in range(60)])))
     assert np.asarray(run.columns["speed_kmh"]) == pytest.approx(15.25 * 3.6)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "words"),
+    [
+        # PowerwallCompanion #17 and wcbonner/GoveeBTTempLogger #14: the clock set back, and set forward
+        (
+            ("2026-10-25T02:59:{}", "2026-10-25T02:00:{}"),
+            "1792893600 s in row 62 must be at least that of the row before",
+        ),
+        (
+            ("2026-03-29T01:59:{}", "2026-03-29T03:00:{}"),
+            "Samples are missing: 3601 s after row 61; the distance there",
+        ),
+        (("2026-10-25T02:59:{}+02:00", "2026-10-25T02:00:{}+01:00"), ""),
+    ],
+    ids=["back", "forward", "with its offset"],
+)
+def test_a_clock_that_is_set_is_no_hour_of_driving(stamps: tuple[str, str], words: str) -> None:
+    """60 s at 16 m/s before and after it are 1904 m, not 59 km."""
+    rows = "".join(f"{stamp.format(f'{t:02}')},57.6\n" for stamp in stamps for t in range(60))
+    cells = recorder_cells(SourceFile("d.csv", f"time,speed_kmh\n{rows}".encode()))
+    if "must be" in words:
+        with pytest.raises(RecordingError, match=words):
+            run_table(cells)
+        return
+    run = run_table(cells)
+    assert any(words in note for note in run.notes)
+    if not words:
+        assert run.columns["position_m"][-1] == pytest.approx(16.0 * 119)
