@@ -19,6 +19,7 @@ from railjoule.core.measured.recording import (
     distance_m,
     gap_words,
     missing_s,
+    other_distance_words,
     time_of_positions,
     tractive_effort_n,
 )
@@ -55,6 +56,11 @@ COLUMNS: Mapping[str, tuple[str, float]] = {
     "brake": ("brake_applied", 1.0),
 }
 """Columns of a trajectory's table by quantity, and the SI value of one of their unit."""
+
+
+# rows that are far apart leave some 20 per cent of the distance open, mph taken as km/h 38
+OTHER_UNIT_SHARE = 0.35
+"""Distances by speeds and by positions that differ by more have another unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,4 +154,11 @@ def _positions(table: Table, notes: list[str]) -> FloatArray:
     if len(back):
         places = f"{counted(len(back), 'time')}, first at {time[back[0]] - time[0]:g} s"
         notes.append(f"The position goes back {places}; kept as measured.")
+    elif "time" in table.columns and (words := _other_distance(table, time, position)):
+        notes.append(f"{words}; kept as measured.")
     return position
+
+
+def _other_distance(table: Table, time_s: FloatArray, position_m: FloatArray) -> str:
+    covered = distance_m(time_s, np.maximum(table.values["speed"], 0.0))
+    return other_distance_words(table, float(covered[-1]), float(position_m[-1] - position_m[0]), OTHER_UNIT_SHARE)

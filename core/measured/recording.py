@@ -372,15 +372,22 @@ def _moving_part(table: Table, time_s: FloatArray, notes: list[str]) -> tuple[in
     return first, last
 
 
+def other_distance_words(table: Table, by_speed_m: float, by_position_m: float, share: float = SAME_DISTANCE) -> str:
+    """Describe speeds that cover another distance than the positions [m], as the begin of a sentence; else empty."""
+    if abs(by_speed_m - by_position_m) <= share * max(by_speed_m, by_position_m):
+        return ""
+    column = table.columns["speed"]
+    return (
+        f"{column.header} in {column.unit} covers {by_speed_m:.5g} m, but {table.columns['position'].header} rises by "
+        f"{by_position_m:.5g} m; they may differ by at most {100 * share:g} %: one of the units is another one "
+        "(--unit), or samples are missing"
+    )
+
+
 def _require_same_distance(recording: Recording, table: Table) -> None:
     """Refuse a speed or a position in a wrong unit."""
     if recording.position_m is None or "time" not in table.values:
         return
     by_speed, by_position = float(recording.covered_m[-1]), float(recording.position_m[-1])
-    if abs(by_speed - by_position) > SAME_DISTANCE * max(by_speed, by_position):
-        column = table.columns["speed"]
-        raise RecordingError(
-            f"{recording.name}: {column.header} in {column.unit} covers {by_speed:.5g} m, but "
-            f"{table.columns['position'].header} rises by {by_position:.5g} m; they may differ by at most "
-            f"{100 * SAME_DISTANCE:g} %: one of the units is another one (--unit), or samples are missing."
-        )
+    if words := other_distance_words(table, by_speed, by_position):
+        raise RecordingError(f"{recording.name}: {words}.")
