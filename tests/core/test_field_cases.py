@@ -1,4 +1,4 @@
-"""What users of other programs reported, rebuilt with other numbers; each right value is a calculation of its own.
+"""Cases that users of other programs reported, rebuilt with other numbers; each right value has its own calculation.
 
 Sources are issues (#) and pull requests of public repositories. `OwnRun` shares no code with railjoule.
 """
@@ -132,7 +132,7 @@ FADING = {"vehicle.braking": {"curve": [[0, 60], [40, 60], [100, 25]], "friction
 HUMP = sections((1500,), (300, 25), (300, -25), (3000,))
 SHORTEST = {
     "limit until the rear has left (osrd #13641, sumo #3959)": (WHOLE, sections((9000,)), limits((4000, 4200, 50))),
-    "two limits, less than a train apart (osrd #9459)": (
+    "two limits within the length of a train (osrd #9459)": (
         *(WHOLE, sections((9000,))),
         limits((4000, 4200, 50), (4500, 4800, 70)),
     ),
@@ -164,7 +164,7 @@ def test_the_fastest_run_is_that_of_two_passes(case: str) -> None:
     assert np.abs(found_ms - np.sqrt(own.speed2)).max() * KMH < 0.25
 
 
-def test_the_cases_tell_the_rules_apart() -> None:
+def test_the_cases_distinguish_the_rules() -> None:
     """Seconds that the rear, the stop's side and the place of the gradient make: none of them is lost in 0.03 s."""
     front_s = OwnRun(document(sections((9000,)), limits((4000, 4200, 50)))).time_s
     rear, ends, begins, *hump = (
@@ -300,7 +300,7 @@ def test_holding_a_speed_downhill_regenerates_what_gravity_leaves(electric_kn: f
 # ---- files
 
 
-def limits_of(text: str, **columns: Any) -> Any:
+def read_limits(text: str, **columns: Any) -> Any:
     return read_intervals(SourceFile("l.csv", text.encode()), "limits", ColumnMap(**columns))
 
 
@@ -320,26 +320,26 @@ def test_a_limit_of_one_direction_is_no_limit_of_both(header: str, rows: list[st
     """hiddewie/OpenRailwayMap-vector PR 1018, sumo #6883: 90 km/h was taken where 70 hold in this direction."""
     text = f"from_m,to_m,{header}\n0,700,{rows[0]}\n700,1600,{rows[1]}\n"
     with pytest.raises(ScenarioError, match=words):
-        limits_of(text)
+        read_limits(text)
 
 
-def test_a_limit_of_one_direction_alone_is_told() -> None:
-    (reading,) = (one.sentence for one in limits_of("from_m,to_m,maxspeed:backward [km/h]\n0,700,90\n").findings)
+def test_the_only_limit_of_one_direction_is_reported() -> None:
+    (reading,) = (one.sentence for one in read_limits("from_m,to_m,maxspeed:backward [km/h]\n0,700,90\n").findings)
     assert reading == "l.csv: 'maxspeed:backward [km/h]' is taken as that of the run's direction."
 
 
 def test_the_direction_that_the_user_names_is_read() -> None:
     text = "from_m,to_m,maxspeed,maxspeed:forward,direction\n0,700,90,80,up\n700,1600,90,70,up\n0,1600,60,50,down\n"
-    table = limits_of(text, columns={"value": "maxspeed:forward"}, rows={"direction": "up"})
+    table = read_limits(text, columns={"value": "maxspeed:forward"}, rows={"direction": "up"})
     assert [(one.from_m, one.value) for one in table.intervals] == [(0, 80), (700, 70)]
 
 
-def test_a_gradient_table_that_ends_before_the_limits_is_told() -> None:
+def test_a_gradient_table_that_ends_before_the_limits_is_reported() -> None:
     """openETCS/modeling #950."""
     gradients = read_intervals(
         SourceFile("g.csv", b"from_m,to_m,gradient_permille\n0,500,6\n500,900,-4\n"), "gradients"
     )
-    line = build_line(gradients=gradients, limits=limits_of("from_m,to_m,limit_kmh\n0,800,80\n800,1700,60\n"))
+    line = build_line(gradients=gradients, limits=read_limits("from_m,to_m,limit_kmh\n0,800,80\n800,1700,60\n"))
     assert line.line.length_m == 1700
     assert any("nothing from 900 to 1,700 m, at the line's end: taken as level" in one for one in line.sentences)
 
@@ -395,7 +395,7 @@ def test_two_points_at_one_time_are_no_leap_of_the_speed() -> None:
     assert len(run.columns["time_s"]) == 147
 
 
-def test_a_gap_between_segments_is_told_with_its_length() -> None:
+def test_a_gap_between_segments_is_reported_with_its_length() -> None:
     """kirienko/gpx-player #30, tumic0/GPXSee #304: 30 s without signal at 16 m/s are 480 m."""
     seconds = [*range(61), *range(90, 140)]
     run = run_table(recorder_cells(track([(t, 16.0 * t, "") for t in seconds], breaks=(61,))))
@@ -451,13 +451,13 @@ def test_a_unit_in_words_is_a_unit() -> None:
     assert run.columns["position_m"][-1] == pytest.approx(960)
 
 
-def test_speeds_that_cover_another_distance_are_told() -> None:
+def test_speeds_that_cover_another_distance_are_reported() -> None:
     """railtoolkit/TrainRuns.jl writes s, v and t in SI without units: 16 km/h over 60 s are 266.67 m of 960 m."""
     run = recorded("s,v,t", [f"{16 * t},16,{t}" for t in range(61)])
     assert any("v in km/h covers 266.67 m, but s rises by 960 m" in note for note in run.notes)
 
 
-def test_the_trains_of_a_simulation_are_told_apart() -> None:
+def test_several_trains_of_a_simulation_are_refused() -> None:
     """eclipse-sumo's fcd output: every vehicle at every step; the second of each step was left out as a repetition."""
     rows = [f"{t},{name},{k * 36},{k * 10 * t}" for t in range(61) for k, name in enumerate("AB", 1)]
     with pytest.raises(RecordingError, match="rows are of several trains, vehicle_id = A, B; keep the rows of one"):
