@@ -30,7 +30,7 @@ class _Track:
     name: str = ""
     points: list[Texts] = field(default_factory=list)
     segments: list[int] = field(default_factory=list)
-    """Where each segment begins, by the number of points before it."""
+    """The number of points before the begin of each segment."""
 
 
 class _Reader:

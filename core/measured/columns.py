@@ -97,7 +97,7 @@ TRAINS = (
     "zug",
     "zugnummer",
 )
-"""Columns that tell trains apart."""
+"""Names of columns of several trains in one file."""
 LONGEST_GAP_S = 600.0
 BRACKETS = re.compile(r"\s*(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*")
 """A name, and its unit in brackets."""

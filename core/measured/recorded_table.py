@@ -58,7 +58,7 @@ COLUMNS: Mapping[str, tuple[str, float]] = {
 """Columns of a trajectory's table by quantity, and the SI value of one of their unit."""
 
 
-# rows that are far apart leave some 20 per cent of the distance open, mph taken as km/h 38
+# long steps leave some 20 per cent of the distance open, mph taken as km/h 38
 OTHER_UNIT_SHARE = 0.35
 """Distances by speeds and by positions that differ by more have another unit."""
 

@@ -142,7 +142,7 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
 
 
 def _require_one_train(cells: CellTable, names: Sequence[str]) -> None:
-    """Raise RecordingError if one of some columns tells several trains apart, as those of a simulated timetable."""
+    """Raise RecordingError if one of some columns names several trains, as in a simulated timetable."""
     for name in names:
         if has_name(name, TRAINS):
             trains = list(dict.fromkeys(text_of_cell(cell) for _, cell in cells.column(name)))
