@@ -99,8 +99,8 @@ TRAINS = (
 )
 """Names of columns of several trains in one file."""
 LONGEST_GAP_S = 600.0
-BRACKETS = re.compile(r"\s*(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*")
-"""A name, and its unit in brackets."""
+BRACKETS = re.compile(r"\s*(.*?)\s*[\[(]\s*(?:in\s+)?(.*?)\s*[\])]\s*")
+"""A name, and its unit in brackets, as (km/h) or (in km/h)."""
 USUAL_UNITS = MappingProxyType({"time": "s", "position": "m", "brake": "on"})
 
 

@@ -445,20 +445,22 @@ def recorded(head: str, rows: list[str]) -> Any:
     return run_table(recorder_cells(SourceFile("r.csv", "\n".join([head, *rows]).encode())))
 
 
-def test_a_unit_in_words_is_a_unit() -> None:
-    """NatLabRockies/altrios writes speed_meters_per_second: 60 s at 16 m/s are 960 m, not 267 m."""
-    run = recorded("time [s],speed_meters_per_second", [f"{t},16" for t in range(61)])
+@pytest.mark.parametrize("head", ["time_seconds,speed_meters_per_second", "t (in s),v (in m/s)"])
+def test_a_unit_in_words_is_a_unit(head: str) -> None:
+    """Headings of NREL/altrios, speed_trace.csv, and railtoolkit/TrainRuns.jl, export.jl: 60 s at 16 m/s are 960 m."""
+    run = recorded(head, [f"{t},16" for t in range(61)])
     assert run.columns["position_m"][-1] == pytest.approx(960)
+    assert not any("No unit" in note for note in run.notes)
 
 
 def test_speeds_that_cover_another_distance_are_reported() -> None:
-    """railtoolkit/TrainRuns.jl writes s, v and t in SI without units: 16 km/h over 60 s are 266.67 m of 960 m."""
+    """Columns of a program that counts in SI, without units: 16 km/h over 60 s are 266.67 m of 960 m."""
     run = recorded("s,v,t", [f"{16 * t},16,{t}" for t in range(61)])
     assert any("v in km/h covers 266.67 m, but s rises by 960 m" in note for note in run.notes)
 
 
 def test_several_trains_of_a_simulation_are_refused() -> None:
-    """eclipse-sumo's fcd output: every vehicle at every step; the second of each step was left out as a repetition."""
+    """Output of eclipse-sumo (fcd) has all vehicles at each step; the second was left out as a repetition."""
     rows = [f"{t},{name},{k * 36},{k * 10 * t}" for t in range(61) for k, name in enumerate("AB", 1)]
     with pytest.raises(RecordingError, match="rows are of several trains, vehicle_id = A, B; keep the rows of one"):
         recorded("time,vehicle_id,speed_kmh,position_m", rows)
