@@ -1,14 +1,17 @@
 """Limits of effort and recuperation that hold on part of a line, in a form that compiled code takes."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.scenario.line import RailCondition
+
+if TYPE_CHECKING:
+    # at run time, each change of the input models would compile the kernels again
+    from railjoule.core.scenario.line import RailCondition
 
 NO_PLACE = -1
 """Stands for the places at which a train has its own limits."""
@@ -36,7 +39,7 @@ class PlaceLimits(NamedTuple):
     max_current_a: float = np.inf
     effort_factor: float = 1.0
     recuperation_factor: float = 1.0
-    rail_condition: RailCondition | None = None
+    rail_condition: "RailCondition | None" = None
 
 
 UNLIMITED = PlaceLimits()

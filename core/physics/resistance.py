@@ -7,12 +7,17 @@ taken at the mean of both ends' speeds, which is the mean over time. The startin
 the distance: its work is exact, however many cells a start takes.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import Numbers, Value, formula
-from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
+
+if TYPE_CHECKING:
+    # at run time, each change of the input models would compile all kernels again
+    from railjoule.core.scenario import Vehicle
 
 SAME_SPEED_MS = 1e-12
 """Keeps ratios of differences of speeds defined where both are equal."""
@@ -91,7 +96,7 @@ def mean_starting_curvatures(
     return max((2.0 * by_start - start_slope) / rise, 0.0), max((end_slope - 2.0 * by_end) / rise, 0.0)
 
 
-def starting_terms(vehicle: Vehicle) -> tuple[float, float]:
+def starting_terms(vehicle: "Vehicle") -> tuple[float, float]:
     """Return the starting resistance at rest [N], and the speed at which it ends [m/s], 1 where there is none."""
     resistance = vehicle.resistance
     starting_n = total_weight_kn(vehicle) * resistance.starting_n_per_kn + resistance.starting_n
@@ -99,7 +104,7 @@ def starting_terms(vehicle: Vehicle) -> tuple[float, float]:
     return starting_n, 1.0 if ends_kmh is None else ends_kmh * MS_PER_KMH
 
 
-def resistance_coefficients(vehicle: Vehicle, head_wind_ms: float = 0.0) -> tuple[float, float, float]:
+def resistance_coefficients(vehicle: "Vehicle", head_wind_ms: float = 0.0) -> tuple[float, float, float]:
     """Return A [N], B [N s/m] and C [N s2/m2] in the open: specific terms times the weight, and absolute terms.
 
     With a wind w against the train [m/s] the air meets it at v + w: C (v + w)^2 = C w^2 + 2 C w v + C v^2.
@@ -116,7 +121,7 @@ def resistance_coefficients(vehicle: Vehicle, head_wind_ms: float = 0.0) -> tupl
     )
 
 
-def gradient_force_n(vehicle: Vehicle, gradient_permille: FloatArray) -> FloatArray:
+def gradient_force_n(vehicle: "Vehicle", gradient_permille: FloatArray) -> FloatArray:
     """Return the force of gradients against the train [N]: weight times rise over length, which is taken for the sine.
 
     At 40 per mille, steep for a railway, sine and tangent differ by 0.08 %.
@@ -125,7 +130,7 @@ def gradient_force_n(vehicle: Vehicle, gradient_permille: FloatArray) -> FloatAr
     return total_weight_kn(vehicle) * gradient_permille
 
 
-def curve_force_n(vehicle: Vehicle, curvature_per_m: FloatArray) -> FloatArray:
+def curve_force_n(vehicle: "Vehicle", curvature_per_m: FloatArray) -> FloatArray:
     """Return the force of curves against the train [N]: weight in kN times a constant over the radius.
 
     The form of traction rules, whose constant is 600 to 800 m N/kN.
@@ -133,6 +138,6 @@ def curve_force_n(vehicle: Vehicle, curvature_per_m: FloatArray) -> FloatArray:
     return total_weight_kn(vehicle) * vehicle.resistance.curve_constant_m_n_per_kn * curvature_per_m
 
 
-def total_weight_kn(vehicle: Vehicle) -> float:
+def total_weight_kn(vehicle: "Vehicle") -> float:
     """Return the weight of vehicle and passengers [kN], so a force in N over it is in per mille."""
     return vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
