@@ -75,12 +75,15 @@ NAMES: Mapping[str, tuple[str, ...]] = {
                       "відправлення", "出发"),
         "line": ("line", "code ligne", "strecke", "line code", "route", "ligne"),
         "track": ("track", "nom voie", "voie", "gleis"),
+        "sense": ("direction", "sens", "richtung", "kierunek", "направление", "напрям", "方向"),
     }.items()
 }  # fmt: skip
 """Words by which a column is known, the likeliest first."""
 WORDS_OF_NAMES = frozenset(word for names in NAMES.values() for name in names for word in name.split())
 FALLS, RISES, IS_LEVEL = ("pente", "fall", "gefalle", "gefaelle", "down"), ("rampe", "rise", "up"), ("palier", "level")
 """Words of a column of directions, as they begin."""
+ONE_WAY = frozenset({"forward", "backward"})
+"""Words of columns that hold in one direction only, as OpenStreetMap's maxspeed:forward."""
 LARGEST_TOLERANCE_M = 100.0
 
 
@@ -229,9 +232,11 @@ def _position_heading(columns: Mapping[str, str | None], named: Mapping[str, str
     return Heading(units[0] if units else None, doubt)
 
 
-def line_selectors(cells: CellTable, used: Collection[str]) -> list[str]:
-    """List the columns of a line or a track, except those that are `used` otherwise."""
-    names = {name for role in SELECTORS for name in NAMES[role]}
+def line_selectors(cells: CellTable, kind: TableKind, used: Collection[str]) -> list[str]:
+    """List the columns of a line, a track or, of limits, a direction, except those that are `used` otherwise."""
+    # not of curves, which may turn left and right, nor of gradients, whose direction is their sign
+    roles = (*SELECTORS, "sense") if kind == "limits" else SELECTORS
+    names = {name for role in roles for name in NAMES[role]}
     return [column for column in cells.header if column not in used and _name_words(column) in names]
 
 
@@ -312,6 +317,26 @@ def _guessed(source: str, kind: TableKind, free: list[str], role: str) -> str | 
             if found:
                 return found[0]
     return None
+
+
+def one_way_column(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> str | None:
+    """Find the only column of a kind that counts in one direction, such as maxspeed:forward.
+
+    Raises
+    ------
+    ScenarioError
+        If others stand beside it: which of them counts for the run, the table cannot say.
+    """
+    words = {column: set(_words(column).split()) for column in cells.header}
+    one_way = [column for column in cells.header if ONE_WAY & words[column]]
+    if kind == "neutral" or "value" in wanted.columns or not one_way:
+        return None
+    if sum(words[one_way[0]] - ONE_WAY <= words[column] for column in cells.header) > 1:
+        raise ScenarioError(
+            f"{cells.source}: {show(one_way[0])} counts in one direction only; name the column for this run, as "
+            f"{kind}.value=COLUMN, with a value in each row."
+        )
+    return one_way[0]
 
 
 def _by_place(cells: CellTable, kind: IntervalKind) -> dict[str, str | None]:

@@ -29,6 +29,8 @@ Texts = dict[str, str]
 class _Track:
     name: str = ""
     points: list[Texts] = field(default_factory=list)
+    segments: list[int] = field(default_factory=list)
+    """The number of points before the begin of each segment."""
 
 
 class _Reader:
@@ -51,6 +53,8 @@ class _Reader:
         self.has_root = True
         if name in {"trk", "rte"}:
             self.tracks.append(_Track())
+        elif name == "trkseg" and self.tracks:
+            self.tracks[-1].segments.append(len(self.tracks[-1].points))
         elif name in {"trkpt", "rtept"} and self.tracks:
             self.point = {key: attributes.get(key, "") for key in ("lat", "lon")}
             self.tracks[-1].points.append(self.point)
@@ -111,12 +115,14 @@ def read_track_points(
     tracks = _parsed(source)
     names = [one.name or f"track {number}" for number, one in enumerate(tracks, 1)]
     names = [name if names.count(name) == 1 else f"{name} ({number})" for number, name in enumerate(names, 1)]
-    points = tracks[notes.chosen(names, track, "track")].points
+    chosen = tracks[notes.chosen(names, track, "track")]
+    points = chosen.points
     if len(points) < 2:
         raise ScenarioError(f"{source.name}: the track has {len(points)} points, and needs at least 2.")
     latitude, longitude = (_numbers(points, key, source.name) for key in ("lat", "lon"))
     position = distance_along_m(latitude, longitude)
     notes.add("reading", "distances are sums of those between the points, on the ellipsoid WGS 84.")
+    _tell_gaps(chosen.segments, position, notes)
     time_s = np.array([_time_s(point.get("time", ""), number, source.name) for number, point in enumerate(points, 1)])
     columns: dict[str, Sequence[str | float]] = {"position [m]": [round(float(one), 3) for one in position]}
     if np.any(np.isfinite(time_s)):
@@ -131,6 +137,14 @@ def read_track_points(
         columns["elevation [m]"] = [point.get("ele", "") for point in points]
     header = tuple(name for name in HEADER if name in columns)
     return header, list(enumerate(zip(*(columns[name] for name in header), strict=True), 1))
+
+
+def _tell_gaps(segments: Sequence[int], position_m: FloatArray, notes: Notes) -> None:
+    """Note how much of the distance lies between segments, where the receiver had no signal."""
+    begins = sorted({first for first in segments if 0 < first < len(position_m)})
+    if begins:
+        gap_m = sum(position_m[first] - position_m[first - 1] for first in begins)
+        notes.add("reading", f"its {len(begins) + 1} segments are joined by straight lines, {gap_m:.0f} m in all.")
 
 
 def distance_along_m(latitude_deg: FloatArray, longitude_deg: FloatArray) -> FloatArray:
@@ -205,9 +219,13 @@ def _time_s(text: str, number: int, source: str) -> float:
 def _speed_ms(time_s: FloatArray, position_m: FloatArray) -> FloatArray:
     """Return the mean speed between the points before and after each one; NaN without times."""
     speed, timed = np.full(len(time_s), np.nan), np.flatnonzero(np.isfinite(time_s))
-    place = np.arange(len(timed))
-    before, after = timed[np.maximum(place - 1, 0)], timed[np.minimum(place + 1, len(timed) - 1)]
+    # of points at one time the first counts, as in recordings: else twice the way would count for one step
+    is_first = np.append(True, np.diff(time_s[timed]) != 0)
+    distinct = timed[is_first]
+    place = np.arange(len(distinct))
+    before, after = distinct[np.maximum(place - 1, 0)], distinct[np.minimum(place + 1, len(distinct) - 1)]
     steps = time_s[after] - time_s[before]
     rising = steps > 0
-    speed[timed[rising]] = (position_m[after] - position_m[before])[rising] / steps[rising]
+    speed[distinct[rising]] = (position_m[after] - position_m[before])[rising] / steps[rising]
+    speed[timed] = speed[distinct][np.cumsum(is_first) - 1]
     return speed

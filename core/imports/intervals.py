@@ -15,6 +15,7 @@ from railjoule.core.imports.columns import (
     ColumnMap,
     direction_word,
     line_selectors,
+    one_way_column,
     resolve,
     same_name,
 )
@@ -75,6 +76,8 @@ def _read_table(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Impo
         cells = chosen_rows(cells, kind, columns_of_strings, wanted, notes)
         rows = TableRows(_intervals_of_strings(cells, columns_of_strings, notes))
     else:
+        if one_way := one_way_column(cells, kind, wanted):
+            notes.add("reading", f"{one_way!r} is taken as that of the run's direction.")
         found = resolve(cells, kind, wanted)
         named = (found.begin, found.end, found.value, found.direction)
         cells = chosen_rows(cells, kind, [column for column in named if column], wanted, notes)
@@ -118,7 +121,7 @@ def chosen_rows(cells: CellTable, kind: TableKind, used: Sequence[str], wanted: 
         if not rows:
             known = shown_list(sorted(set(texts)))
             raise ScenarioError(f"{source}: no row has {column} = {show(value)}; there are {known}.")
-    selectors = line_selectors(cells, used)
+    selectors = line_selectors(cells, kind, used)
     for column in selectors:
         values = sorted(set(_texts(cells, rows, column)))
         if len(values) > 1 and column not in chosen:

@@ -42,9 +42,10 @@ SPELLINGS: Mapping[Quantity, Mapping[str, tuple[str, ...]]] = {
         "ft/mi": ("ft/mi", "ft/mile", "ft mi", "ft per mi", "ft per mile", "feet per mile", "feet/mile"),
     },
     "limits": {
-        "km/h": ("km/h", "kmh", "kph", "kmph", "km h", "km/hr", "\u043a\u043c/\u0447",
+        "km/h": ("km/h", "kmh", "kph", "kmph", "km h", "km/hr", "kilometers per hour", "kilometres per hour",
+                 "\u043a\u043c/\u0447",
                  "\u043a\u043c/\u0433\u043e\u0434", "\u516c\u91cc/\u5c0f\u65f6", "\u5343\u7c73/\u5c0f\u65f6"),
-        "m/s": ("m/s", "ms", "mps", "m s", "\u043c/\u0441", "\u7c73/\u79d2"),
+        "m/s": ("m/s", "ms", "mps", "m s", "meters per second", "metres per second", "\u043c/\u0441", "\u7c73/\u79d2"),
         "mph": ("mph", "mi/h", "mi h", "miles per hour", "miles/hour"),
         KNOTS: ("kn", "kt", "kts", "knot", "knots"),
     },

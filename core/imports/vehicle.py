@@ -105,6 +105,9 @@ def _doubts_by_mass(vehicle: Vehicle, mass_t: float) -> Iterator[_Doubt]:
         for key, unit, low, high in (("max_effort_kn", "kN", least, 5.0), ("max_power_kw", "kW", 0.3, 100.0)):
             if amount := getattr(limits, key):
                 yield _Doubt(f"{name}.{key}", amount, unit, amount / mass_t, low, high)
+        if limits.curve:
+            greatest = max(effort for _, effort in limits.curve)
+            yield _Doubt(f"{name}.curve, greatest effort", greatest, "kN", greatest / mass_t, least, 5.0, ())
     weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
     terms, speed = vehicle.resistance, vehicle.traction.max_speed_kmh
     standing = terms.absolute[0] + weight_kn * vehicle.specific_resistance.constant_n_per_kn

@@ -85,9 +85,22 @@ NEEDED_UNITS = (
     *("line_current", "line_voltage"),
 )
 """Quantities whose unit must be known; times count as seconds, positions as metres, brakes as on above 0."""
+TRAINS = (
+    "train",
+    "train id",
+    "trainid",
+    "train no",
+    "trainno",
+    "train number",
+    "vehicle",
+    "vehicle id",
+    "zug",
+    "zugnummer",
+)
+"""Names of columns of several trains in one file."""
 LONGEST_GAP_S = 600.0
-BRACKETS = re.compile(r"\s*(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*")
-"""A name, and its unit in brackets."""
+BRACKETS = re.compile(r"\s*(.*?)\s*[\[(]\s*(?:in\s+)?(.*?)\s*[\])]\s*")
+"""A name, and its unit in brackets, as (km/h) or (in km/h)."""
 USUAL_UNITS = MappingProxyType({"time": "s", "position": "m", "brake": "on"})
 
 
@@ -301,7 +314,8 @@ def _words(header: str) -> tuple[str, str]:
     match = BRACKETS.fullmatch(header)
     # in small letters, without accents, and with one sign between words
     name = re.sub(r"[\s\-.'\u2019]+", "_", plain((match[1] if match else header).strip()))
-    return name, match[2] if match else name.rpartition("_")[2]
+    rate = re.search(r"[^_]+_per_[^_]+$", name)
+    return name, match[2] if match else rate[0] if rate else name.rpartition("_")[2]
 
 
 def _has_name(header: str, quantity: str, names: Sequence[str]) -> bool:
@@ -324,5 +338,7 @@ def has_plain_name(column: Column) -> bool:
 def _known_unit(word: str, quantity: str) -> str:
     """Look up a unit by its spelling; empty if it is unknown."""
     by_spelling = {**SPELLINGS.get(quantity, {}), **{unit.lower(): unit for unit in UNITS[quantity]}}
-    unit = by_spelling.get(word.lower()) or (stated_unit(word, "limits") if quantity == "speed" else None)
+    unit = by_spelling.get(word.lower()) or (
+        stated_unit(word.replace("_", " "), "limits") if quantity == "speed" else None
+    )
     return unit if unit is not None and unit in UNITS[quantity] else ""

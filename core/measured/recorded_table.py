@@ -14,7 +14,15 @@ from railjoule.core.errors import RecordingError
 from railjoule.core.imports.cells import CellTable
 from railjoule.core.measured.columns import GENERIC, PRESSURES, RecorderFormat
 from railjoule.core.measured.line_power import sign_words
-from railjoule.core.measured.recording import SHORTEST_RUN_S, distance_m, time_of_positions, tractive_effort_n
+from railjoule.core.measured.recording import (
+    SHORTEST_RUN_S,
+    distance_m,
+    gap_words,
+    missing_s,
+    other_distance_words,
+    time_of_positions,
+    tractive_effort_n,
+)
 from railjoule.core.measured.table import (
     FALLING,
     Table,
@@ -48,6 +56,11 @@ COLUMNS: Mapping[str, tuple[str, float]] = {
     "brake": ("brake_applied", 1.0),
 }
 """Columns of a trajectory's table by quantity, and the SI value of one of their unit."""
+
+
+# long steps leave some 20 per cent of the distance open, mph taken as km/h 38
+OTHER_UNIT_SHARE = 0.35
+"""Distances by speeds and by positions that differ by more have another unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +143,8 @@ def _positions(table: Table, notes: list[str]) -> FloatArray:
     time, speed = table.values["time"], table.values["speed"]
     if "position" not in table.values:
         notes.append("Positions follow from speeds and times.")
+        if words := gap_words(table, missing_s(table, time)):
+            notes.append(f"{words}; the distance there is that of an even change of speed, if the clock is right.")
         return distance_m(time, speed)
     direction = running_direction(table)
     if direction < 0:
@@ -139,4 +154,11 @@ def _positions(table: Table, notes: list[str]) -> FloatArray:
     if len(back):
         places = f"{counted(len(back), 'time')}, first at {time[back[0]] - time[0]:g} s"
         notes.append(f"The position goes back {places}; kept as measured.")
+    elif "time" in table.columns and (words := _other_distance(table, time, position)):
+        notes.append(f"{words}; kept as measured.")
     return position
+
+
+def _other_distance(table: Table, time_s: FloatArray, position_m: FloatArray) -> str:
+    covered = distance_m(time_s, np.maximum(table.values["speed"], 0.0))
+    return other_distance_words(table, float(covered[-1]), float(position_m[-1] - position_m[0]), OTHER_UNIT_SHARE)

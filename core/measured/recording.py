@@ -330,24 +330,35 @@ def time_of_positions(table: Table) -> FloatArray:
     return np.append(0.0, np.cumsum(steps))
 
 
-def _gaps(table: Table, time_s: FloatArray, form: RecorderFormat, notes: list[str]) -> FloatArray:
-    """Return for how long samples are missing after each one [s]; shape (n - 1,)."""
+def missing_s(table: Table, time_s: FloatArray) -> FloatArray:
+    """Return for how long samples are missing after each one while the train moves [s]; shape (n - 1,)."""
     steps = np.diff(time_s)
-    if "time" not in table.values:
-        return np.zeros(len(steps))
     usual = float(np.median(steps))
     moving = (table.values["speed"][1:] > 0) | (table.values["speed"][:-1] > 0)
     # a recorder may well sleep while the train stands
-    gaps = np.where((steps > GAP_STEPS * usual) & moving, steps, 0.0)
+    return np.where((steps > GAP_STEPS * usual) & moving, steps, 0.0)
+
+
+def gap_words(table: Table, gaps_s: FloatArray) -> str:
+    """Say after which rows samples are missing, as the begin of a sentence; empty if nowhere."""
+    if not np.any(gaps_s):
+        return ""
+    places = ", ".join(f"{gaps_s[row]:.4g} s after row {table.rows[row]}" for row in np.flatnonzero(gaps_s)[:5])
+    return f"Samples are missing: {places}{' and others' if np.count_nonzero(gaps_s) > 5 else ''}"
+
+
+def _gaps(table: Table, time_s: FloatArray, form: RecorderFormat, notes: list[str]) -> FloatArray:
+    """Return `missing_s`, 0 without a column of time; RecordingError if it is longer than the user allows."""
+    if "time" not in table.values:
+        return np.zeros(len(time_s) - 1)
+    gaps = missing_s(table, time_s)
     for row in np.flatnonzero(gaps > form.longest_gap_s)[:1]:
         raise RecordingError(
             f"{table.source}: after row {table.rows[row]} samples are missing for {gaps[row]:.4g} s while the train "
             f"moves; at most {form.longest_gap_s:g} s are interpolated (--longest-gap)."
         )
-    if np.any(gaps):
-        places = ", ".join(f"{gaps[row]:.4g} s after row {table.rows[row]}" for row in np.flatnonzero(gaps)[:5])
-        more = " and others" if np.count_nonzero(gaps) > 5 else ""
-        notes.append(f"Samples are missing: {places}{more}; the speed there is interpolated.")
+    if words := gap_words(table, gaps):
+        notes.append(f"{words}; the speed there is interpolated.")
     return gaps
 
 
@@ -361,15 +372,22 @@ def _moving_part(table: Table, time_s: FloatArray, notes: list[str]) -> tuple[in
     return first, last
 
 
+def other_distance_words(table: Table, by_speed_m: float, by_position_m: float, share: float = SAME_DISTANCE) -> str:
+    """Describe speeds that cover another distance than the positions [m], as the begin of a sentence; else empty."""
+    if abs(by_speed_m - by_position_m) <= share * max(by_speed_m, by_position_m):
+        return ""
+    column = table.columns["speed"]
+    return (
+        f"{column.header} in {column.unit} covers {by_speed_m:.5g} m, but {table.columns['position'].header} rises by "
+        f"{by_position_m:.5g} m; they may differ by at most {100 * share:g} %: one of the units is another one "
+        "(--unit), or samples are missing"
+    )
+
+
 def _require_same_distance(recording: Recording, table: Table) -> None:
     """Refuse a speed or a position in a wrong unit."""
     if recording.position_m is None or "time" not in table.values:
         return
     by_speed, by_position = float(recording.covered_m[-1]), float(recording.position_m[-1])
-    if abs(by_speed - by_position) > SAME_DISTANCE * max(by_speed, by_position):
-        column = table.columns["speed"]
-        raise RecordingError(
-            f"{recording.name}: {column.header} in {column.unit} covers {by_speed:.5g} m, but "
-            f"{table.columns['position'].header} rises by {by_position:.5g} m; they may differ by at most "
-            f"{100 * SAME_DISTANCE:g} %: one of the units is another one (--unit), or samples are missing."
-        )
+    if words := other_distance_words(table, by_speed, by_position):
+        raise RecordingError(f"{recording.name}: {words}.")

@@ -11,12 +11,14 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError, ScenarioError
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.clock import parse_clock, past_midnight, unit_of_times
+from railjoule.core.imports.columns import has_name
 from railjoule.core.imports.findings import without_name
 from railjoule.core.imports.numbers import Decimal, decimal_mark, parse_cell, parse_position, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.imports.units import CLOCK
 from railjoule.core.measured.columns import (
     GENERIC,
+    TRAINS,
     Column,
     RecorderFormat,
     find_columns,
@@ -50,7 +52,9 @@ class Table:
     def shown(self, quantity: str, row: int) -> str:
         """Format a value as the file has it, such as 'speed = 41.5 km/h in row 12'."""
         column = self.columns[quantity]
-        value = plain_number(float(self.values[quantity][row]) / column.factor, 6)
+        # seconds since 1970 differ in their last digits
+        digits = 12 if quantity == "time" else 6
+        value = plain_number(float(self.values[quantity][row]) / column.factor, digits)
         unit = "s" if column.unit == CLOCK else column.unit
         return f"{column.header} = {value} {unit} in row {self.rows[row]}"
 
@@ -123,6 +127,7 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
     ]
     notes += [f"{column.header} is taken as that of the line." for column in columns if has_plain_name(column)]
     if unused := [name for name in cells.header if name not in [column.header for column in columns]]:
+        _require_one_train(cells, unused)
         notes.append(f"Columns not used: {shown_list(unused)}.")
     decimals = _decimals([one for one in columns if one.unit != CLOCK], cells)
     values = {one.quantity: _column(one, cells, decimals.get(one.quantity, ".")) for one in columns}
@@ -134,6 +139,18 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
             notes.append("The clock passes midnight.")
             table = replace(table, values={**table.values, "time": time})
     return replace(table, notes=tuple(notes))
+
+
+def _require_one_train(cells: CellTable, names: Sequence[str]) -> None:
+    """Raise RecordingError if one of some columns names several trains, as in a simulated timetable."""
+    for name in names:
+        if has_name(name, TRAINS):
+            trains = list(dict.fromkeys(text_of_cell(cell) for _, cell in cells.column(name)))
+            if len(trains) > 1:
+                raise RecordingError(
+                    f"{cells.source}: its rows are of several trains, {name} = {shown_list(trains, MAX_ROWS_SHOWN)}; "
+                    "keep the rows of one."
+                )
 
 
 def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Column:
