@@ -87,10 +87,21 @@ def comparison_text(comparison: Summary) -> str:
         lines += ["", *table_lines(head, rows), ""]
     for refusal in comparison["refused"]:
         lines += wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
-    for result in results:
-        word = STRATEGY_WORDS[result["strategy"]]
-        lines += [line for note in result["notes"] for line in wrapped(words.about(word, note))]
+    lines += _note_lines([STRATEGY_WORDS[result["strategy"]] for result in results], results)
     return "\n".join(lines)
+
+
+def _note_lines(names: Sequence[str], results: Sequence[Summary]) -> list[str]:
+    """Return the notes of several runs, each with the name of its run, or without one if all have the same note."""
+    lines: list[str] = []
+    for name, result in zip(names, results, strict=True):
+        for note in result["notes"]:
+            is_common = len(results) > 1 and all(note in other["notes"] for other in results)
+            if not is_common:
+                lines += wrapped(words.about(name, note))
+            elif result is results[0]:
+                lines += wrapped(note)
+    return lines
 
 
 def pair_text(pair: Summary) -> str:
@@ -101,8 +112,7 @@ def pair_text(pair: Summary) -> str:
         strategy = STRATEGY_WORDS[run["strategy"]]
         lines += labelled(name, f"{title_words(run['title'])}: {strategy}, {verdict(run)}")
     lines += ["", *wrapped(printable(pair["scenarios"])), "", *table_lines(side_by_side.HEAD, pair["table"])]
-    for name, run in zip(names, pair["results"], strict=True):
-        lines += [line for note in run["notes"] for line in wrapped(f"{name}: {note}")]
+    lines += _note_lines(names, pair["results"])
     return "\n".join(lines)
 
 

@@ -1,0 +1,59 @@
+"""From a public data set to the report by mouse: the steps of the tutorial, with the names that it has in bold."""
+
+import re
+from pathlib import Path
+
+from documents import ROOT, text_of
+from playwright.sync_api import expect
+
+from browser.user import User, open_page
+
+LINK = ""
+FILES = [ROOT / "assets" / "imports" / f"{name}.json" for name in ("CH_StGallen_Wil", "NL_Intercity_VIRM6")]
+STEPS = re.findall(
+    r"^\d+\. .*(?:\n   .*)*", text_of("tutorials/public_data").partition("## The same by mouse")[2], re.M
+)
+
+
+def see_energy(user: User, step: str) -> None:
+    """Wait until the page shows the energy of a step."""
+    energy = re.search(r"([\d.]+) kWh", step)
+    assert energy is not None
+    expect(user.figure_value("Energy from the supply")).to_contain_text(energy[1])
+
+
+def test_the_steps_lead_to_a_report(user: User, tmp_path: Path) -> None:
+    names = [re.findall(r"\*\*(.+?)\*\*", step) for step in STEPS]
+    (files,), (choose,), (noticed,), (both,), (edit, timetable, reserve), (resistance, curve, undo), *rest = names
+    (linear,), (report, make) = rest
+    page = user.page
+    open_page(user, files)
+    with page.expect_file_chooser() as chosen:
+        page.locator("label:visible", has_text=choose).click()
+    chosen.value.set_files(FILES)
+    expect(page.get_by_text("119 transitions between radii").first).to_be_visible()
+    expect(page.get_by_text(noticed, exact=True)).to_be_visible()
+    expect(page.get_by_text("no resistance of curves")).to_be_visible()
+    page.get_by_role("button", name=both, exact=True).click()
+    expect(user.question("Drive")).to_be_visible()
+    see_energy(user, STEPS[3])
+    page.get_by_role("button", name=edit).click()
+    editor = page.get_by_role("region", name="Scenario editor")
+    for group, label, value, step in ((timetable, reserve, "10", STEPS[4]), (resistance, curve, "700", STEPS[5])):
+        editor.get_by_role("button", name=re.compile(f"^{group}")).click()
+        field = editor.get_by_label(label, exact=True)
+        field.fill(value)
+        field.press("Enter")
+        see_energy(user, step)
+    page.get_by_role("button", name=undo, exact=True).click()
+    see_energy(user, STEPS[4].rpartition(" and ")[2])
+    page.get_by_label(f"Draw {linear}", exact=True).check()
+    expect(page.get_by_text("113.69").locator("visible=true").first).to_be_visible()
+    page.get_by_role("button", name=report, exact=True).click()
+    form = page.get_by_role("dialog", name=report)
+    for box in form.get_by_role("checkbox", checked=True).all()[:0:-1]:
+        box.uncheck()
+    with page.expect_download() as saved:
+        form.get_by_role("button", name=make).click()
+    saved.value.save_as(tmp_path / "report.html")
+    assert "59.30" in (tmp_path / "report.html").read_text(encoding="utf-8")
