@@ -87,11 +87,11 @@ def comparison_text(comparison: Summary) -> str:
         lines += ["", *table_lines(head, rows), ""]
     for refusal in comparison["refused"]:
         lines += wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
-    lines += _note_lines([STRATEGY_WORDS[result["strategy"]] for result in results], results)
+    lines += note_lines([STRATEGY_WORDS[result["strategy"]] for result in results], results)
     return "\n".join(lines)
 
 
-def _note_lines(names: Sequence[str], results: Sequence[Summary]) -> list[str]:
+def note_lines(names: Sequence[str], results: Sequence[Summary]) -> list[str]:
     """Return the notes of several runs, each with the name of its run, or without one if all have the same note."""
     lines: list[str] = []
     for name, result in zip(names, results, strict=True):
@@ -112,7 +112,7 @@ def pair_text(pair: Summary) -> str:
         strategy = STRATEGY_WORDS[run["strategy"]]
         lines += labelled(name, f"{title_words(run['title'])}: {strategy}, {verdict(run)}")
     lines += ["", *wrapped(printable(pair["scenarios"])), "", *table_lines(side_by_side.HEAD, pair["table"])]
-    lines += _note_lines(names, pair["results"])
+    lines += note_lines(names, pair["results"])
     return "\n".join(lines)
 
 
