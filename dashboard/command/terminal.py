@@ -87,21 +87,9 @@ def comparison_text(comparison: Summary) -> str:
         lines += ["", *table_lines(head, rows), ""]
     for refusal in comparison["refused"]:
         lines += wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
-    lines += note_lines([STRATEGY_WORDS[result["strategy"]] for result in results], results)
+    notes = {STRATEGY_WORDS[result["strategy"]]: result["notes"] for result in results}
+    lines += [line for note in words.notes_by_run(notes) for line in wrapped(note)]
     return "\n".join(lines)
-
-
-def note_lines(names: Sequence[str], results: Sequence[Summary]) -> list[str]:
-    """Return the notes of several runs, each with the name of its run, or without one if all have the same note."""
-    lines: list[str] = []
-    for name, result in zip(names, results, strict=True):
-        for note in result["notes"]:
-            is_common = len(results) > 1 and all(note in other["notes"] for other in results)
-            if not is_common:
-                lines += wrapped(words.about(name, note))
-            elif result is results[0]:
-                lines += wrapped(note)
-    return lines
 
 
 def pair_text(pair: Summary) -> str:
@@ -112,7 +100,8 @@ def pair_text(pair: Summary) -> str:
         strategy = STRATEGY_WORDS[run["strategy"]]
         lines += labelled(name, f"{title_words(run['title'])}: {strategy}, {verdict(run)}")
     lines += ["", *wrapped(printable(pair["scenarios"])), "", *table_lines(side_by_side.HEAD, pair["table"])]
-    lines += note_lines(names, pair["results"])
+    notes = {name: run["notes"] for name, run in zip(names, pair["results"], strict=True)}
+    lines += [line for note in words.notes_by_run(notes) for line in wrapped(note)]
     return "\n".join(lines)
 
 

@@ -91,13 +91,3 @@ def test_lines_are_no_wider_than_the_terminal(monkeypatch):
     lines = terminal.validation_text({"citation": "word " * 60, "tables": [], "claims": [], "errata": []}).splitlines()
     assert len(lines) > 3
     assert max(map(len, lines)) <= 70
-
-
-def test_a_note_of_all_runs_is_printed_once():
-    results = [
-        {"notes": ["The time follows from a reserve.", "It has 13 cycles."]},
-        {"notes": ["The time follows from a reserve."]},
-    ]
-    lines = terminal.note_lines(("Four phases", "Optimal"), results)
-    assert lines == ["The time follows from a reserve.", "Four phases: It has 13 cycles."]
-    assert terminal.note_lines(("Optimal",), results[1:]) == ["Optimal: The time follows from a reserve."]
