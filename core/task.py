@@ -12,6 +12,7 @@ from railjoule.core.motion import MeshedLine, build_meshed_line, max_speeds, run
 from railjoule.core.motion.mesh import enough_words
 from railjoule.core.motion.meshed_line import train_extent
 from railjoule.core.motion.passes import MOVED
+from railjoule.core.physics.mesh_data import at_place
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, plain_number
 
@@ -179,7 +180,7 @@ def _require_speeds_within_limits(mesh: MeshedLine) -> None:
 
 def _obstacle_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
     """Return why no run passes a cell."""
-    data, curve = mesh.data, mesh.curve_force_n[cell] / N_PER_KN
+    data, curve = at_place(mesh.data, mesh.data.place[cell]), mesh.curve_force_n[cell] / N_PER_KN
     where = f"At {mesh.position_m[cell]:.0f} m, on a gradient of {mesh.gradient_permille[cell]:.4g} per mille"
     too_fast = "cannot slow the train down for what lies ahead."
     friction_kn = data.friction_effort_n / N_PER_KN
@@ -197,6 +198,15 @@ def _obstacle_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
     if braking:
         effort = round(data.braking.constant_n / N_PER_KN + friction_kn, 3)
         return f"{where}, the brakes of at most {effort:.4g} kN {too_fast}"
+    starting = float(data.starting_n)
+    if starting > 0 and data.fixed_speed2[cell] == 0:
+        needed = (starting + data.resistance_constant_n + data.line_force_n[cell]) / N_PER_KN
+        most = at_place(data, data.place[cell]).traction.constant_n / N_PER_KN
+        return (
+            f"{where}, the train stands and cannot start: that takes more than {needed:.4g} kN, of which "
+            f"{plain_number(starting / N_PER_KN, 4)} kN are its starting resistance, and its effort is at most "
+            f"{most:.4g} kN."
+        )
     # the curve may be the only reason
     resisting = f" and in a curve that resists with {plain_number(curve, 4)} kN" if curve > 0 else ""
     return (

@@ -10,13 +10,20 @@ from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array, midpoints
 from railjoule.core.check import CheckResult
 from railjoule.core.citation import bibtex
+from railjoule.core.drive import Drive
 from railjoule.core.energy import Energy, share_above, supply_current_a
 from railjoule.core.lower_bound import ON_TIME_S, Bound, Reference, Window
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line
 from railjoule.core.phases import Phase, RunData, find_phases
 from railjoule.core.physics.energy_balance import SMALL_ENERGY_SHARE, CellBalance, run_balance
-from railjoule.core.physics.mesh_data import MeshData, electric_limit_n, tractive_limit_n
+from railjoule.core.physics.mesh_data import (
+    MeshData,
+    electric_limit_n,
+    friction_limits_n,
+    recuperation_factors,
+    tractive_limit_n,
+)
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategy import STRATEGIES
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -327,7 +334,7 @@ def make_trajectory(
     current = mesh.drive.current_a(supplied_effort_n(data, account), account.mean_speed_ms)
     max_effort = tractive_limit_n(data, account.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
-    max_braking = electric_limit_n(data, account.mean_speed_ms) + data.friction_effort_n
+    max_braking = electric_limit_n(data, account.mean_speed_ms) + friction_limits_n(data)
     cells, durations = CellBalance(*(np.insert(values, stops, 0.0) for values in account)), durations_s(mesh, account)
     power = cells.supply_power_w + data.auxiliary_power_w
     position, speed = (np.insert(values, stops, values[stops]) for values in (mesh.position_m, np.sqrt(speed2)))
@@ -367,6 +374,16 @@ def supplied_effort_n(data: MeshData, cells: CellBalance) -> FloatArray:
     return np.where(data.supply_share < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
 
 
+def drive_by_place(mesh: MeshedLine, with_dwells: bool = False) -> Drive:
+    """Return a meshed line's drive with the recuperation factor of each cell, and of dwells, which generate nothing."""
+    factors: Any = recuperation_factors(mesh.data)
+    if not len(mesh.data.places.recuperation_factor):
+        return mesh.drive
+    if with_dwells:
+        factors = np.insert(factors, np.flatnonzero(mesh.dwell_s > 0), 0.0)
+    return replace(mesh.drive, recuperation_factor=factors)
+
+
 def supply_energies_j(mesh: MeshedLine, cells: CellBalance) -> tuple[float, float, float]:
     """Return the energies of traction, recuperation and auxiliaries at the supply [J]."""
     duration = cells.duration_s
@@ -391,7 +408,7 @@ def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: CellBalance) -> 
     data, length, duration = mesh.data, mesh.data.cell_length_m, cells.duration_s
     losses = {
         kind: float(power @ duration)
-        for kind, power in mesh.drive.losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
+        for kind, power in drive_by_place(mesh).losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)

@@ -226,9 +226,8 @@ class Day(TypedParameters):
 
     def _take_conditions(self, scenario: Scenario) -> None:
         disturbance, simulation = scenario.disturbance, scenario.simulation
-        load = disturbance.actual_load_factor
-        named = load is not None or disturbance.coordinate_error_m != 0
-        load_percent = 100 * (scenario.vehicle.load_factor if load is None else load)
+        named = disturbance.has_load or disturbance.coordinate_error_m != 0
+        load_percent = 100 * scenario.actual_load_share
         sensors = {name: getattr(simulation, name) for name in SENSOR_FIELDS}
         self.param.update(
             actual_load_percent=load_percent if named else FIRST_LOAD_PERCENT,
@@ -287,8 +286,8 @@ class Day(TypedParameters):
         conditions: dict[str, Any] = dict(self.conditions)
         if not self.on:
             conditions = {"disturbance.coordinate_error_m": 0.0}
-            if self.scenario.edited.disturbance.actual_load_factor is not None:
-                conditions["disturbance.actual_load_factor"] = None
+            if self.scenario.edited.disturbance.has_load:
+                conditions |= {"disturbance.actual_load_factor": None, "disturbance.actual_load_t": None}
         # a later departure shifts all runs by the same time, and is not an event
         return {**conditions, "disturbance.departure_delay_s": 0.0, **self.event_tables}
 
@@ -322,7 +321,7 @@ class Day(TypedParameters):
 
     def as_planned(self) -> None:
         """Set the conditions of the plan: its load, the right position, no events."""
-        self.param.update(actual_load_percent=self.scenario.load_percent, coordinate_error_m=0.0, events=[])
+        self.param.update(actual_load_percent=self.scenario.planned_load_percent, coordinate_error_m=0.0, events=[])
 
     @property
     def stops(self) -> Sequence[EventModel]:

@@ -111,6 +111,60 @@ def any_wide_document(seed: int) -> Table:
     return document
 
 
+def any_placed_document(seed: int) -> Table:
+    """Return the scenario of a seed as `any_wide_document`, half of them with limits by place or that begin early."""
+    rng, document = np.random.default_rng([seed, 6]), any_wide_document(seed)
+    line, vehicle = document["line"], document["vehicle"]
+    length = sum(section["length_m"] for section in line["sections"])
+    # eoc and enoc are tried on plain lines only, and refuse all of these
+    if len(line["sections"]) == 1 or rng.random() < 0.4:
+        return document
+    effort_kn, top = vehicle["tare_kg"] / 1e3 * 0.8, vehicle["traction"]["max_speed_kmh"]
+
+    def stretch() -> Table:
+        start = rng.uniform(0.0, 0.8) * length
+        return {"from_m": start, "to_m": start + rng.uniform(0.05, 1.0) * (length - start)}
+
+    limits = []
+    for _ in range(int(rng.integers(0, 4))):
+        limit = stretch()
+        kind = int(rng.integers(5))
+        if kind == 0:
+            limit["max_effort_kn"] = effort_kn * rng.uniform(0.4, 1.2)
+        if kind == 1:
+            limit["max_power_kw"] = effort_kn * top / 3.6 * rng.uniform(0.15, 0.7)
+        if kind in (2, 3):
+            limit["effort_factor"] = rng.uniform(0.4, 1.0)
+        if kind in (3, 4):
+            limit["recuperation_factor"] = float(rng.choice([0.0, rng.uniform(0, 1)]))
+        limits.append(limit)
+    if limits:
+        line["traction_limits"] = limits
+    if rng.random() < 0.3:
+        line["limit_margin_m"] = rng.uniform(1, 100)
+    if rng.random() < 0.3:
+        vehicle["adhesion"] = {"driven_mass_share": rng.uniform(0.5, 1.0)}
+        line["rail_conditions"] = [stretch() | {"condition": str(rng.choice(["dry", "wet"]))}]
+        if rng.random() < 0.5:
+            line["rail_condition"] = "dry"
+    if limits and rng.random() < 0.3:
+        vehicle["line_voltage_v"] = 750.0
+        power_w = 1e3 * effort_kn * top / 3.6 * rng.uniform(0.3, 1.0) + 1e3 * vehicle.get("auxiliary_power_kw", 0.0)
+        limits.append(stretch() | {"max_current_a": power_w / 750.0})
+    return document
+
+
+def any_placed_task(seed: int) -> Task | None:
+    """Return the task of `any_placed_document` with a timetable that can be kept; None if no run passes its line."""
+    document = any_placed_document(seed)
+    try:
+        task = prepare_task(scenario_from_document(document))
+    except InfeasibleLineError:
+        return None
+    document["timetable"]["travel_time_s"] = task.shortest_time_s * any_time(seed) + task.dwell_s
+    return prepare_task(scenario_from_document(document))
+
+
 def add_windows(document: Table, seed: int, arrivals_s: dict[float, float], slack_s: float) -> None:
     """Add windows of arrival to some stations, and to the terminus of some lines, that a train which can wait keeps.
 

@@ -34,7 +34,7 @@ from railjoule.core.check.efforts import SWITCHING
 from railjoule.core.kernel_cache import source_hash
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy, with_bounds
-from tests.any_scenarios import MODELS, add_windows, any_time, any_wide_document
+from tests.any_scenarios import MODELS, add_windows, any_placed_document, any_time
 
 LONGEST_TIME_S = 86_400
 WARMING_SEEDS = range(2 * len(MODELS))
@@ -113,7 +113,7 @@ def promises(run: Trajectory) -> Row:
 
 def calls(seed: int) -> Iterator[Row]:
     """Yield the result of each strategy over the scenario of a seed, and of their comparison."""
-    document = any_wide_document(seed)
+    document = any_placed_document(seed)
     about = {"seed": seed, "model": document["vehicle"]["drive"]["model"]}
     try:
         task = timed_task(document, any_time(seed), seed)

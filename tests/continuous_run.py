@@ -269,7 +269,7 @@ def _efforts(plan: Trajectory) -> Efforts:
     scenario, vehicle = plan.scenario, plan.scenario.vehicle
     speed = np.linspace(0, 1.001 * vehicle.traction.max_speed_kmh * MS_PER_KMH, SPEED_STEPS)
     model, data = loss_model(vehicle.drive), build_meshed_line(scenario, position_m=plan.nodes_m).data
-    driven, braked = adhesion_limits_n(scenario, speed)
+    driven, braked = adhesion_limits_n(scenario, speed, scenario.line.rail_condition)
     efforts = []
     for limits, product, braking in ((vehicle.traction, data.traction, False), (vehicle.braking, data.braking, True)):
         stated = stated_limits_n(limits, speed).values()

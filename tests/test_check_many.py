@@ -33,7 +33,7 @@ def test_a_traceback_is_a_row(monkeypatch):
 
 def test_a_run_that_is_switched_too_often_says_so(monkeypatch):
     """Seed 695 leaves 0.15 s over the shortest time, and a limit of half a metre for which the drive would brake."""
-    monkeypatch.setattr(check_many, "any_wide_document", any_full_document)
+    monkeypatch.setattr(check_many, "any_placed_document", any_full_document)
     monkeypatch.setattr(check_many, "add_windows", lambda *given: None)
     monkeypatch.setattr(check_many, "CALLS", ("optimal",))
     (row,) = calls(695)

@@ -1,7 +1,9 @@
 """Planes below the energy and the time of a cell, over a box of its two squares of speed, in one mode of driving.
 
 With w and y the squares of speed at both ends, the force of a cell is F = k1 y - k0 w + A + B v, k1 = k + C / 2 and
-k0 = k - C / 2. A run drives in one of four modes, and takes from the line h e(x, v) of the drive's table:
+k0 = k - C / 2; the mean starting resistance, which falls with both, lies between its values at two corners of the box,
+and A has one bound below and one above. A run drives in one of four modes, and takes from the line h e(x, v) of the
+drive's table:
 
     DRIVE   0 < F <= limit                        x = F
     OFF     -friction <= F <= 0, but for rounding no power
@@ -25,7 +27,8 @@ from railjoule.core.compiled import borrowed, njit
 from railjoule.core.drive.kernels import has_standstill_brake, negligible_effort
 from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.effort_limit import WIDENING, EffortLimit, effort_range, upper_line
-from railjoule.core.physics.mesh_data import MeshData, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, cell_at, limits_at, shared_by_cells
+from railjoule.core.physics.resistance import mean_starting_resistance
 
 DRIVE, OFF, BRAKE, BLEND = range(4)
 ENERGY, ENERGY_W, ENERGY_Y, TIME, TIME_W, TIME_Y, LOWER, LOWER_W, UPPER, UPPER_W = range(10)
@@ -95,12 +98,16 @@ class Minorant(NamedTuple):
 
 
 class CellMotion(NamedTuple):
-    """A cell's motion F = k1 y - k0 w + A + B v over a length h, and what limits its change of w."""
+    """A cell's motion F = k1 y - k0 w + A + B v over a length h, and what limits its change of w.
+
+    A is between `least_n` and `most_n`, which differ by what a starting resistance varies.
+    """
 
     length_m: float
     k1: float
     k0: float
-    constant_n: float
+    least_n: float
+    most_n: float
     linear: float
     rise: float
     fall: float
@@ -116,10 +123,21 @@ def cell_motion(mesh: MeshData, number: int) -> CellMotion:
         cell.inertia + half,
         cell.inertia - half,
         cell.constant_n,
+        cell.constant_n + cell.starting_n,
         cell.linear,
         wide * mesh.max_acceleration_ms2,
         wide * mesh.max_deceleration_ms2,
     )
+
+
+@njit(cache=True, error_model="numpy")
+def motion_in_box(cell: CellMotion, starting: tuple[float, float], box: Box) -> CellMotion:
+    """Return the motion with the range of a starting resistance, at rest and where it ends, in one box."""
+    least = mean_starting_resistance(starting[0], starting[1], box.high_w, box.high_y)
+    most = mean_starting_resistance(starting[0], starting[1], box.low_w, box.low_y)
+    # `least_n` of a cell is without any
+    bare = cell.least_n
+    return CellMotion(cell.length_m, cell.k1, cell.k0, bare + least, bare + most, cell.linear, cell.rise, cell.fall)
 
 
 @njit(cache=True, error_model="numpy")
@@ -142,10 +160,10 @@ def _tangent(box: Box, w: float, y: float) -> Plane:
 
 
 @njit(cache=True, error_model="numpy")
-def _line(cell: CellMotion, constant: float, slope: float, speed: Plane) -> tuple[float, float]:
-    """Return y = l0 + l1 w on which k1 y - k0 w + A = constant + slope v, with v on a plane."""
+def _line(cell: CellMotion, constant: float, slope: float, speed: Plane, resisting: float) -> tuple[float, float]:
+    """Return y = l0 + l1 w on which k1 y - k0 w + A = constant + slope v, with v on a plane and A as `resisting`."""
     by_y = cell.k1 - slope * speed.by_y
-    start = (constant + slope * speed.value - cell.constant_n) / by_y
+    start = (constant + slope * speed.value - resisting) / by_y
     return start, (cell.k0 + slope * speed.by_w) / by_y
 
 
@@ -169,7 +187,7 @@ def _limit_line(
         if cell.k1 - slope * speed.by_y > 0.1 * cell.k1:
             break
         a0, a1 = a0 + max(a1 * speeds[0], a1 * speeds[1]), 0.0
-    return _line(cell, sign * a0, slope, speed)
+    return _line(cell, sign * a0, slope, speed, cell.least_n if upper else cell.most_n)
 
 
 @njit(cache=True, error_model="numpy")
@@ -236,8 +254,9 @@ def _energy_plane(
     factor = cv + cx * (by_speed + by_force * cell.linear)
     speed = _chord(box) if factor > 0.0 else _tangent(box, touch[0], touch[1])
     force = cx * by_force
+    resisting = cell.least_n if force > 0.0 else cell.most_n
     return Plane(
-        cell.length_m * (c0 + cx * x0 + force * cell.constant_n + factor * speed.value),
+        cell.length_m * (c0 + cx * x0 + force * resisting + factor * speed.value),
         cell.length_m * (factor * speed.by_w - force * cell.k0),
         cell.length_m * (factor * speed.by_y + force * cell.k1),
     )
@@ -291,8 +310,8 @@ def _best_energy(
     """Return the plane below the energy whose least is greatest with prices (onward / (h k1), of w, of y)."""
     a0, a1, least = limit
     most = a0 + max(a1 * speeds[0], a1 * speeds[1])
-    f1 = cell.k1 * box.low_y - cell.k0 * box.high_w + cell.constant_n + cell.linear * speeds[0]
-    f2 = cell.k1 * box.high_y - cell.k0 * box.low_w + cell.constant_n + cell.linear * speeds[1]
+    f1 = cell.k1 * box.low_y - cell.k0 * box.high_w + cell.least_n + cell.linear * speeds[0]
+    f2 = cell.k1 * box.high_y - cell.k0 * box.low_w + cell.most_n + cell.linear * speeds[1]
     side = DRIVING if mode == DRIVE else BRAKING
     low, high, wanted, effort = max(f1, 0.0), min(f2, most), prices[0], (0.0, 1.0, 0.0)
     if mode == BRAKE:
@@ -363,8 +382,8 @@ def fill_box(
     a, b, c, d = box
     v1 = mean_speed(math.sqrt(a), math.sqrt(c))
     v2 = mean_speed(math.sqrt(b), math.sqrt(d))
-    f1 = cell.k1 * c - cell.k0 * b + cell.constant_n + cell.linear * v1
-    f2 = cell.k1 * d - cell.k0 * a + cell.constant_n + cell.linear * v2
+    f1 = cell.k1 * c - cell.k0 * b + cell.least_n + cell.linear * v1
+    f2 = cell.k1 * d - cell.k0 * a + cell.most_n + cell.linear * v2
     if (mode == DRIVE and f2 <= 0.0) or (mode != DRIVE and f1 > friction[1]):
         return False
     limit = _mode_limit(traction, braking, mode, friction[2], v1, v2)
@@ -416,21 +435,24 @@ def fill_boxes(
     count = pairs.start.shape[0]
     kept, rows = np.zeros(low.shape[0], dtype=np.int64), np.empty((count, COLUMNS))
     passed = np.empty((3, count), np.int64)
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
+    train, _, _, drive = shared.own
     table = DriveTable(
         borrowed(table.low), borrowed(table.last), table.slowest_ms, table.fastest_ms, borrowed(table.top_n)
     )
     off, replaced = negligible_effort(train.drive_kind, drive), has_standstill_brake(train.drive_kind, drive)
-    friction = train.friction_effort_n, off, replaced and braking.constant_n > 0.0
-    m = 0
+    m, starting = 0, (mesh.starting_n, mesh.starting_ends_ms)
     for i in range(low.shape[0] - 1):
         kept[i] = m
         cell = cell_motion(mesh, i)
+        train, traction, braking, _ = limits_at(shared, i)
+        friction = train.friction_effort_n, off, replaced and braking.constant_n > 0.0
         for pair in range(pairs.first[i], pairs.first[i + 1]):
             k, q, mode = pairs.start[pair], pairs.end[pair], pairs.mode[pair]
             box = Box(low[i, k], high[i, k], low[i + 1, q], high[i + 1, q])
             prices = second, node_price[i, k], node_price[i + 1, q]
-            if fill_box(table, cell, traction, braking, friction, mode, box, prices, rows[m]):
+            motion = motion_in_box(cell, starting, box) if starting[0] > 0.0 else cell
+            if fill_box(table, motion, traction, braking, friction, mode, box, prices, rows[m]):
                 passed[0, m], passed[1, m], passed[2, m] = k, q, mode
                 m += 1
     kept[low.shape[0] - 1] = m

@@ -75,9 +75,9 @@ def _fill_pairs(
         resisting = cell.linear * fastest
         for k in range(count[i]):
             a, b = low[i, k], high[i, k]
-            top = (mesh.traction.constant_n * wide + cell.k0 * b - cell.constant_n) / cell.k1
+            top = (mesh.traction.constant_n * wide + cell.k0 * b - cell.least_n) / cell.k1
             strongest = (mesh.braking.constant_n + mesh.friction_effort_n) * wide
-            bottom = (cell.k0 * a - strongest - cell.constant_n - resisting) / cell.k1
+            bottom = (cell.k0 * a - strongest - cell.most_n - resisting) / cell.k1
             # forces within what rounding and a drive that counts as off leave
             bottom, top = max(bottom, a - cell.fall) - 1e-9, min(top, b + cell.rise) + 1e-9
             for q in range(count[i + 1]):
@@ -89,7 +89,7 @@ def _fill_pairs(
                     # in a neutral section friction brakes work with the drive off
                     if mode != OFF and not powered:
                         continue
-                    if mode == DRIVE and cell.k1 * high[i + 1, q] - cell.k0 * a + cell.constant_n + resisting <= 0.0:
+                    if mode == DRIVE and cell.k1 * high[i + 1, q] - cell.k0 * a + cell.most_n + resisting <= 0.0:
                         continue
                     if fill:
                         pairs[0, m], pairs[1, m], pairs[2, m] = k, q, mode

@@ -47,7 +47,7 @@ class Case:
     ----------
     train, route, model : Train, Route, LossModel
         Masses and running resistance, the line in running order, and the drive.
-    top_speed_ms, auxiliary_power_w, friction_limit_n, recuperation_factor : float
+    top_speed_ms, auxiliary_power_w, friction_limit_n : float
         Of the vehicle; the largest effort of its friction brakes [N].
     moves : array of bool of shape (n,)
         Whether the train moves on in each cell.
@@ -68,8 +68,12 @@ class Case:
         either sign, whichever is more.
     neutral : array of bool
         Cells that lie in a neutral section at least in part.
-    adhesion_n : tuple of array
+    adhesion_n : array of shape (2, k)
         Largest forces that the driven and the braked axles transmit to the rails [N].
+    recuperation_factor, effort_factor : array
+        Share of the generated energy that the supply takes back, and of the largest tractive effort that is left.
+    place_effort_n, place_power_w, place_current_a : array
+        Limits of tractive effort [N], of power at the wheels [W] and of the current of the supply [A] at the place.
     """
 
     def __init__(self, scenario: Scenario, record: Record, initial_speed_ms: float, final_speed_ms: float) -> None:
@@ -80,7 +84,6 @@ class Case:
         self.top_speed_ms = scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
         self.auxiliary_power_w = scenario.vehicle.auxiliary_power_kw * W_PER_KW
         self.friction_limit_n = scenario.vehicle.braking.friction_effort_kn * N_PER_KN
-        self.recuperation_factor = scenario.vehicle.drive.recuperation_factor
         self.moves: BoolArray = np.diff(record.position_m) > 0
         self.start_m, self.end_m = (self.moving(places) for places in (record.position_m[:-1], record.position_m[1:]))
         self.middle_m, self.length_m = 0.5 * (self.start_m + self.end_m), self.end_m - self.start_m
@@ -93,7 +96,34 @@ class Case:
         self.neutral = np.zeros(len(self.start_m), dtype=bool)
         for begins, ends in self.route.neutral:
             self.neutral |= np.minimum(self.end_m, ends) - np.maximum(self.start_m, begins) > SAME_PLACE_M
-        self.adhesion_n = adhesion_limits_n(scenario, self.mean_speed_ms)
+        self._set_limits_of_places()
+
+    def _set_limits_of_places(self) -> None:
+        scenario, count, route = self.scenario, len(self.start_m), self.route
+        self.recuperation_factor = np.full(count, scenario.vehicle.drive.recuperation_factor)
+        self.effort_factor = np.ones(count)
+        self.place_effort_n, self.place_power_w, self.place_current_a = (np.full(count, np.inf) for _ in range(3))
+        for begins, ends, limit in route.restricted:
+            # a cell that a border cuts must keep the limits of both sides
+            cells = np.minimum(self.end_m, ends) - np.maximum(self.start_m, begins) > SAME_PLACE_M
+            for values, most in (
+                (self.recuperation_factor, limit.recuperation_factor),
+                (self.effort_factor, limit.effort_factor),
+                (self.place_effort_n, None if limit.max_effort_kn is None else limit.max_effort_kn * N_PER_KN),
+                (self.place_power_w, None if limit.max_power_kw is None else limit.max_power_kw * W_PER_KW),
+                (self.place_current_a, limit.max_current_a),
+            ):
+                if most is not None:
+                    values[cells] = np.minimum(values[cells], most)
+        self.adhesion_n = np.array(adhesion_limits_n(scenario, self.mean_speed_ms, scenario.line.rail_condition))
+        conditions = {condition for _, _, condition in route.rails}
+        # of two conditions the worse holds, and "wet" is the last one
+        for condition in sorted(conditions):
+            of_rails = np.array(adhesion_limits_n(scenario, self.mean_speed_ms, condition))
+            for begins, ends, found in route.rails:
+                if found == condition:
+                    cells = (self.middle_m > begins) & (self.middle_m < ends)
+                    self.adhesion_n[:, cells] = of_rails[:, cells]
 
     def _set_forces(self) -> None:
         train, cells = self.train, (self.start_m, self.end_m)
@@ -106,6 +136,7 @@ class Case:
         mean_speed2 = 0.5 * (self.entering_speed2 + self.leaving_speed2)
         quadratic = train.quadratic * self.route.tunnel_factor(*cells)
         self.resistance_n = train.constant_n + train.linear * self.mean_speed_ms + quadratic * mean_speed2
+        self.resistance_n += train.mean_starting_n(self.entering_speed2, self.leaving_speed2)
         self.acceleration_ms2 = 0.5 * (self.leaving_speed2 - self.entering_speed2) / self.length_m
         # Newton's second law for the cell, from the speeds only; the efforts of the run are compared with it
         inertia_n = train.inertia_kg * self.acceleration_ms2
@@ -187,11 +218,12 @@ class Case:
         motors = self.model.max_effort_n(self.mean_speed_ms, True)
         return np.where(self.neutral, 0.0, np.minimum.reduce([*stated, self.adhesion_n[0], motors]))
 
-    def supply_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
-        """Return the supply power for a power of the drive [W]: a share of generated power is recuperated."""
-        return np.where(terminal_power_w < 0, self.recuperation_factor * terminal_power_w, terminal_power_w)
+    def supply_power_of_terminal_w(self, terminal_power_w: FloatArray, cells: BoolArray | None = None) -> FloatArray:
+        """Return the supply power for a power of the drive [W] in all or some cells: a share of it is recuperated."""
+        factor = self.recuperation_factor if cells is None else self.recuperation_factor[cells]
+        return np.where(terminal_power_w < 0, factor * terminal_power_w, terminal_power_w)
 
-    def supply_power_of_effort_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
-        """Return the supply power of the drive for electric efforts at speeds [W]; off without effort."""
+    def supply_power_of_effort_w(self, effort_n: FloatArray, speed_ms: FloatArray, cells: BoolArray) -> FloatArray:
+        """Return the supply power of the drive for electric efforts at speeds in cells [W]; off without effort."""
         power = sum(self.model.losses_w(effort_n, speed_ms).values(), effort_n * speed_ms)
-        return self.supply_power_of_terminal_w(np.where(effort_n == 0, 0.0, power))
+        return self.supply_power_of_terminal_w(np.where(effort_n == 0, 0.0, power), cells)

@@ -15,7 +15,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, find_largest
-from railjoule.core.check.train import stated_limits_n
+from railjoule.core.check.train import STANDSTILL_MS, stated_limits_n
 
 # Interior points stop just inside a limit, exact coasting and joined runs put some efforts just beyond it. 2e-6 of the
 # largest effort is below a newton for trains of up to 500 kN.
@@ -54,6 +54,8 @@ def effort_findings(case: Case) -> Iterator[Finding]:
         yield Unchecked("efforts and their limits", "the table has no column effort_kn")
         return
     yield from _limits(case, case.moving(record.tractive_effort_n), False)
+    if case.route.restricted:
+        yield from _limits_of_places(case, case.moving(record.tractive_effort_n))
     if case.route.neutral:
         # where one number is the effort of all brakes, only driving is known to be the drive's
         effort = np.maximum(case.electric_n, 0.0 if record.electric_braking_n is None else -case.electric_n)
@@ -64,7 +66,7 @@ def effort_findings(case: Case) -> Iterator[Finding]:
     electric, friction = case.moving(record.electric_braking_n), case.moving(record.friction_braking_n)
     yield from _limits(case, electric, True)
     yield _effort(case, "friction braking effort", friction, case.friction_limit_n)
-    if case.scenario.line.rail_condition is not None:
+    if case.scenario.line.all_rail_conditions != {None}:
         yield _effort(case, "adhesion of the braked axles", electric + friction, case.adhesion_n[1])
     # driving and braking together, or a negative part
     parts = np.array([record.tractive_effort_n, record.electric_braking_n, record.friction_braking_n])
@@ -79,17 +81,19 @@ def _limits(case: Case, effort_n: FloatArray, braking: bool) -> Iterator[Check]:
     vehicle = case.scenario.vehicle
     words = "electric braking" if braking else "tractive"
     stated = stated_limits_n(vehicle.braking if braking else vehicle.traction, case.mean_speed_ms)
-    for key, limit in stated.items():
+    factor = 1.0 if braking else case.effort_factor
+    for key, own in stated.items():
+        limit = factor * own
         name, scale, allowed = STATED[key]
         # the share of a power is the share of the effort that has it at this speed
         over = limit if key == "power" else case.effort_scale_n
         excess = (effort_n - limit - case.rounding_n) / over
         yield find_largest(name.format(words), scale, allowed, excess, case.middle_m)
-    if case.scenario.line.rail_condition is not None:
+    if case.scenario.line.all_rail_conditions != {None}:
         name = "adhesion under the electric brake" if braking else "adhesion of the driven axles"
         yield _effort(case, name, effort_n, case.adhesion_n[0])
     used = effort_n > 0
-    limit = case.model.max_effort_n(case.mean_speed_ms[used], braking)
+    limit = case.model.max_effort_n(case.mean_speed_ms[used], braking) * (1.0 if braking else case.effort_factor[used])
     if np.isinf(limit).all():
         return
     # the rounding of a limit comes on top of that of its corners
@@ -97,6 +101,27 @@ def _limits(case: Case, effort_n: FloatArray, braking: bool) -> Iterator[Check]:
     excess = (effort_n[used] - limit - case.rounding_n[used]) / over - ROUNDED_LIMIT
     name = "motors while braking" if braking else "motors while driving"
     yield find_largest(name, "the motors' largest effort", ROUNDED_CORNERS, excess, case.middle_m[used])
+
+
+def _limits_of_places(case: Case, effort_n: FloatArray) -> Iterator[Finding]:
+    """Compare tractive efforts with the limits of traction on parts of the line."""
+    yield _effort(case, "tractive effort by place", effort_n, case.place_effort_n)
+    power_n = case.place_power_w / np.maximum(case.mean_speed_ms, STANDSTILL_MS)
+    # the share of a power is the share of the effort that has it at this speed
+    excess = (effort_n - power_n - case.rounding_n) / np.minimum(power_n, case.effort_scale_n)
+    yield find_largest("tractive power by place", "the limit", ROUNDED_CORNERS, excess, case.middle_m)
+    voltage = case.scenario.vehicle.line_voltage_v
+    if voltage is None:
+        return
+    if case.record.supply_power_w is None:
+        yield Unchecked("current by place", "the table has no column line_power_kw")
+        return
+    most_w = case.place_current_a * voltage
+    # only driving is limited; what losses are tabulated to may be missing
+    taken_w = np.where(effort_n > 0, case.moving(case.record.supply_power_w) - case.loss_uncertainty_w, 0.0)
+    rounding_w = case.rounding_n * case.mean_speed_ms
+    excess = (taken_w - rounding_w - most_w) / np.minimum(most_w, case.effort_scale_n * case.top_speed_ms)
+    yield find_largest("current by place", "the limit", ROUNDED_CORNERS, excess, case.middle_m)
 
 
 def _effort(
@@ -122,7 +147,8 @@ def _sharing(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Chec
     # Friction is no fault where the full electric brake would have drawn power: so the supply power of both sharings
     # is compared, not the efforts.
     full = np.minimum(electric + friction_n[used], np.maximum(case.electric_limit_n[used], electric))
-    lost = case.supply_power_of_effort_w(-electric, speed) - case.supply_power_of_effort_w(-full, speed)
+    taken, taken_by_full = (case.supply_power_of_effort_w(sharing, speed, used) for sharing in (-electric, -full))
+    lost = taken - taken_by_full
     if case.record.supply_power_w is not None:
         # twice, as both powers of the difference are uncertain
         lost = lost - 2 * case.loss_uncertainty_w[used]

@@ -87,10 +87,10 @@ def _outside_sharing(case: Case) -> FloatArray:
     most = np.minimum(braking, limit * (1 + ROUNDED_CORNERS))
     least = np.minimum(np.maximum(braking - case.friction_limit_n, 0.0), most)
     # right at its limit a motor has losses, and beyond it perhaps none are known
-    low = high = case.supply_power_of_effort_w(-np.clip(limit, least, most), speed)
+    low = high = case.supply_power_of_effort_w(-np.clip(limit, least, most), speed, brakes)
     for _ in range(SEARCHES):
         shared = [least + share * (most - least) for share in np.linspace(0, 1, SHARES)]
-        powers = np.array([case.supply_power_of_effort_w(-electric, speed) for electric in shared])
+        powers = np.array([case.supply_power_of_effort_w(-electric, speed, brakes) for electric in shared])
         low, high = np.fmin(low, np.fmin.reduce(powers)), np.fmax(high, np.fmax.reduce(powers))
         # the least power lies between the neighbours of the least found, the greatest at an end or a jump
         best = np.argmin(np.nan_to_num(powers, nan=np.inf), axis=0)

@@ -2,9 +2,10 @@
 
 All from a scenario's own keys, in the conventions that its file format states:
 
-    weight (kN)          m g / 1000, m = tare + load factor x capacity x mass of a passenger
+    weight (kN)          m g / 1000, m = tare + load, a share of the capacity or tonnes
     inertia              (1 + rotating mass factor) m, or the empty train's inertia plus the load
-    running resistance   A + B v + C tau v^2, each a sum of specific terms times the weight and absolute terms
+    running resistance   A + B v + C tau v^2, each a sum of specific terms times the weight and absolute terms,
+                         and a starting resistance S (1 - v / v_e) up to v_e, at its mean over the cell's length
     gradient             weight x per mille, curve: weight x curve constant / radius
 
 With a wind w against the train the air meets it at v + w, which adds C w^2 to A and 2 C w to B, also in tunnels.
@@ -12,9 +13,10 @@ With a wind w against the train the air meets it at v + w, which adds C w^2 to A
 tau is the factor of tunnels. In a cell v and v^2 are the means of both ends, and the line's values are means over the
 cell and over the train behind its front: at its front for a train without length, over its length, or at the centres
 of its cars, or at its front or its middle where the vehicle asks for that. Before the start the first value continues.
-A limit holds for the front of the train, or until its rear has left it. A neutral section is where its front is.
+A limit holds for the front of the train, or until its rear has left it, and `line.limit_margin_m` before it begins. A
+neutral section, a limit of traction and a rail condition of a part of the line are where the front is.
 
-With `line.rail_condition`, the driven axles transmit at most mu(v) times their weight, in driving and in electric
+With a rail condition, the driven axles transmit at most mu(v) times their weight, in driving and in electric
 braking, and all brakes together at most mu(v) times the weight of the braked axles. On dry rails (Curtius, Kniffler,
 1944), with v in km/h, mu(v) = 7.5 / (v + 44) + 0.161; on wet rails it is `wet_share` of that.
 """
@@ -27,6 +29,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, Section, Vehicle
+from railjoule.core.scenario.line import TractionLimit
 from railjoule.core.scenario.vehicle import Braking, Traction
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2, W_PER_KW
 
@@ -74,12 +77,16 @@ class Route:
         Places [m] that are passed at a given speed [m/s].
     neutral : tuple of (float, float)
         Stretches without traction power: from [m], to [m].
+    restricted : tuple of (float, float, TractionLimit)
+        Stretches with limits of traction: from [m], to [m], the limits.
+    rails : tuple of (float, float, str)
+        Stretches with a rail condition of their own: from [m], to [m], the condition.
     train_m : float or None
         Length of the train [m].
     points_m : sequence of float or None
         Distances behind the front of the points for gradient, curve and tunnel [m]; None for all of the train.
-    limits_last_m : float
-        Distance beyond its end at which a limit still holds for the front [m].
+    limits_last_m, limits_early_m : float
+        Distance beyond its end at which a limit still holds for the front, and before its begin at which it does [m].
     """
 
     sections: tuple[Section, ...]
@@ -89,9 +96,12 @@ class Route:
     end_window_s: tuple[float, float]
     passes: tuple[tuple[float, float], ...]
     neutral: tuple[tuple[float, float], ...]
+    restricted: tuple[tuple[float, float, TractionLimit], ...]
+    rails: tuple[tuple[float, float, str], ...]
     train_m: float | None
     points_m: Sequence[float] | None
     limits_last_m: float
+    limits_early_m: float
 
     @cached_property
     def borders_m(self) -> FloatArray:
@@ -147,18 +157,20 @@ class Route:
         number = np.clip(np.searchsorted(self.borders_m, position_m) - 1, 0, len(self.sections) - 1)
         by_section = np.array([(section.speed_limit_kmh or np.inf) * MS_PER_KMH for section in self.sections])
         limit = np.asarray(by_section[number])
-        # a limit that lasts for the cars behind is one more stretch after its section
-        behind = [(end, end, speed) for end, speed in zip(self.borders_m[1:], by_section, strict=True)]
-        for start, end, speed in [*self.limits, *behind]:
-            inside = (position_m > start) & (position_m < end + self.limits_last_m)
+        # a limit that begins early, or lasts for the cars behind, is one more stretch around its section
+        around = list(zip(self.borders_m[:-1], self.borders_m[1:], by_section, strict=True))
+        for start, end, speed in [*self.limits, *around]:
+            inside = (position_m > start - self.limits_early_m) & (position_m < end + self.limits_last_m)
             limit = np.where(inside, np.minimum(limit, speed), limit)
         return limit
 
     @property
     def limit_borders_m(self) -> FloatArray:
         """Places at which the limit may change [m], rising."""
-        ends = [place for start, end, _ in self.limits for place in (start, end + self.limits_last_m)]
-        return np.unique(np.concatenate([self.borders_m, self.borders_m + self.limits_last_m, ends]))
+        starts = np.array([*self.borders_m, *(start for start, _, _ in self.limits)]) - self.limits_early_m
+        ends = np.array([*self.borders_m, *(end for _, end, _ in self.limits)]) + self.limits_last_m
+        places = np.concatenate([self.borders_m, starts, ends])
+        return np.unique(places[places >= 0])
 
 
 def build_route(scenario: Scenario) -> Route:
@@ -169,7 +181,11 @@ def build_route(scenario: Scenario) -> Route:
     stations = [(station.position_m, station.dwell_s, station.window_s) for station in line.stations]
     passes = [(point.position_m, point.speed_kmh * MS_PER_KMH) for point in line.passing_points]
     neutral = [(section.from_m, section.to_m) for section in line.neutral_sections]
+    restricted = [(limit.from_m, limit.to_m, limit) for limit in line.traction_limits]
+    rails = [(stretch.from_m, stretch.to_m, stretch.condition) for stretch in line.rail_conditions]
     if line.reverse:
+        restricted = [(length - end, length - start, limit) for start, end, limit in restricted]
+        rails = [(length - end, length - start, condition) for start, end, condition in rails]
         neutral = [(length - end, length - start) for start, end in neutral]
         limits = [(length - end, length - start, speed) for start, end, speed in limits]
         stations = [(length - place, dwell, window) for place, dwell, window in reversed(stations)]
@@ -182,9 +198,12 @@ def build_route(scenario: Scenario) -> Route:
         end_window_s=next((window for place, _, window in stations if place >= length - END_M), (0.0, np.inf)),
         passes=tuple(passes),
         neutral=tuple(neutral),
+        restricted=tuple(restricted),
+        rails=tuple(rails),
         train_m=vehicle.length_m,
         points_m=_points_m(vehicle),
         limits_last_m=(vehicle.length_m or 0.0) if line.limits_hold_for == "whole_train" else 0.0,
+        limits_early_m=line.limit_margin_m,
     )
 
 
@@ -212,6 +231,8 @@ class Train:
         A [N], B [N s/m] and C [N s2/m2] of the running resistance in the open.
     curve_constant_m_n_per_kn : float
         Curve resistance times radius, over weight [N m/kN].
+    starting_n, starting_ends_ms : float
+        Starting resistance at rest [N], and the speed at which it has fallen to nothing [m/s].
     """
 
     weight_kn: float
@@ -220,14 +241,28 @@ class Train:
     linear: float
     quadratic: float
     curve_constant_m_n_per_kn: float
+    starting_n: float
+    starting_ends_ms: float
+
+    def mean_starting_n(self, entering_speed2: FloatArray, leaving_speed2: FloatArray) -> FloatArray:
+        """Return the mean starting resistance over the length of cells [N], whose v^2 is linear over it."""
+        if self.starting_n == 0:
+            return np.zeros(len(entering_speed2))
+        # its work up to a speed, over a change of v^2 of 1; the mean of three speeds where v^2 hardly changes
+        ends, rise = self.starting_ends_ms, leaving_speed2 - entering_speed2
+        slow = [np.minimum(speed2**0.5, ends) for speed2 in (entering_speed2, leaving_speed2)]
+        work = [v**2 - 2 * v**3 / (3 * ends) for v in slow]
+        middle = np.maximum(1 - (0.5 * (entering_speed2 + leaving_speed2)) ** 0.5 / ends, 0.0)
+        varies = np.abs(rise) > 1e-5 * (entering_speed2 + leaving_speed2)
+        return self.starting_n * np.where(varies, (work[1] - work[0]) / np.where(varies, rise, 1.0), middle)
 
 
 def build_train(vehicle: Vehicle, head_wind_ms: float = 0.0) -> Train:
     """Return the train of a vehicle with its load, in a wind against it [m/s]."""
-    load = vehicle.load_factor * vehicle.capacity_passengers * vehicle.passenger_mass_kg
+    load = load_kg(vehicle)
     mass = vehicle.tare_kg + load
     if vehicle.inertial_mass_kg is None:
-        # passengers do not turn, but a factor is one of the whole mass: the convention of the file format
+        # a load does not turn, but a factor is one of the whole mass: the convention of the file format
         inertia = (1 + (vehicle.rotating_mass_factor or 0.0)) * mass
     else:
         inertia = vehicle.inertial_mass_kg + load
@@ -235,21 +270,35 @@ def build_train(vehicle: Vehicle, head_wind_ms: float = 0.0) -> Train:
     resistance = vehicle.resistance
     cars = vehicle.car_count or 1
 
-    def specific(name: str) -> float:
-        """Over the weight of the train: what all cars have, and what the kinds have in proportion to their number."""
+    def force(power: int, name: str) -> float:
+        """In N and km/h: of all cars, of the kinds in proportion to their number, and of the load's own weight."""
         of_kinds = sum(kind.cars * float(getattr(kind, name)) for kind in resistance.car_kinds) / cars
-        return float(getattr(resistance, name)) + of_kinds
+        of_train = resistance.specific[power] + of_kinds
+        of_load = getattr(resistance.load, name)
+        carried = load * STANDARD_GRAVITY_MS2 / N_PER_KN * (of_train if of_load is None else of_load)
+        return (weight - load * STANDARD_GRAVITY_MS2 / N_PER_KN) * of_train + carried + resistance.absolute[power]
 
-    air = (weight * specific("quadratic_n_per_kn_per_kmh2") + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2
-    linear = (weight * specific("linear_n_per_kn_per_kmh") + resistance.linear_n_per_kmh) / MS_PER_KMH
+    air = force(2, "quadratic_n_per_kn_per_kmh2") / MS_PER_KMH**2
+    linear = force(1, "linear_n_per_kn_per_kmh") / MS_PER_KMH
     return Train(
         weight_kn=weight,
         inertia_kg=inertia,
-        constant_n=weight * specific("constant_n_per_kn") + resistance.constant_n + air * head_wind_ms**2,
+        constant_n=force(0, "constant_n_per_kn") + air * head_wind_ms**2,
         linear=linear + 2 * air * head_wind_ms,
         quadratic=air,
         curve_constant_m_n_per_kn=resistance.curve_constant_m_n_per_kn,
+        starting_n=weight * resistance.starting_n_per_kn + resistance.starting_n,
+        starting_ends_ms=(resistance.starting_ends_at_kmh or 0.0) * MS_PER_KMH,
     )
+
+
+def load_kg(vehicle: Vehicle) -> float:
+    """Return the mass on board [kg]."""
+    if vehicle.load_t is not None:
+        return 1000.0 * vehicle.load_t
+    freight = vehicle.max_load_t
+    by_passenger = vehicle.capacity_passengers * vehicle.passenger_mass_kg
+    return vehicle.load_factor * (by_passenger if freight is None else 1000.0 * freight)
 
 
 def stated_limits_n(limits: Traction | Braking, speed_ms: FloatArray) -> dict[str, FloatArray]:
@@ -265,7 +314,9 @@ def stated_limits_n(limits: Traction | Braking, speed_ms: FloatArray) -> dict[st
         stated["power"] = limits.max_power_kw * W_PER_KW / speed
     if limits.curve is not None:
         kmh, kn = np.array(limits.curve).T
-        inside = np.interp(speed, kmh * MS_PER_KMH, N_PER_KN * kn)
+        # at a step the lower effort: the curve is read from both sides
+        sides = (np.interp(np.nextafter(speed, end), kmh * MS_PER_KMH, N_PER_KN * kn) for end in (0.0, np.inf))
+        inside = np.minimum(*sides)
         last_ms = kmh[-1] * MS_PER_KMH
         stated["curve"] = np.where(speed > last_ms, N_PER_KN * kn[-1] * last_ms / speed, inside)
     if limits.breakdown_speed_kmh is not None:
@@ -276,14 +327,17 @@ def stated_limits_n(limits: Traction | Braking, speed_ms: FloatArray) -> dict[st
     return stated
 
 
-def adhesion_limits_n(scenario: Scenario, speed_ms: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the largest forces of the driven and of the braked axles [N] at speeds [m/s]; infinite without a limit."""
-    vehicle, condition = scenario.vehicle, scenario.line.rail_condition
+def adhesion_limits_n(scenario: Scenario, speed_ms: FloatArray, condition: str | None) -> tuple[FloatArray, FloatArray]:
+    """Return the largest forces of the driven and of the braked axles [N] at speeds [m/s] on rails of a condition.
+
+    They are infinite where there is no limit.
+    """
+    vehicle = scenario.vehicle
     adhesion = vehicle.adhesion
     if condition is None or adhesion.driven_mass_share is None:
         unlimited = np.full(len(speed_ms), np.inf)
         return unlimited, unlimited
-    mass_kg = vehicle.tare_kg + vehicle.load_factor * vehicle.capacity_passengers * vehicle.passenger_mass_kg
+    mass_kg = vehicle.tare_kg + load_kg(vehicle)
     wet = adhesion.wet_share if condition == "wet" else 1.0
     force_n = wet * (7.5 / (speed_ms / MS_PER_KMH + 44) + 0.161) * mass_kg * STANDARD_GRAVITY_MS2
     return adhesion.driven_mass_share * force_n, adhesion.braked_mass_share * force_n

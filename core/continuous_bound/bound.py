@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.continuous_bound.drive_rows import DriveRows, drive_rows
+from railjoule.core.continuous_bound.drive_rows import PlaceRows, drive_rows, rows_at
 from railjoule.core.continuous_bound.hamiltonian import piece_values
 from railjoule.core.continuous_bound.prices import SAME_PLACE_M, Pieces, price_pieces
 from railjoule.core.interior_point.solver import Optimum
@@ -57,12 +57,12 @@ def continuous_bound(mesh: MeshedLine, optimum: Optimum, running_time_s: float) 
     return ContinuousBound(energy, pieces, shares, float(price_of_time))
 
 
-def tabulate_drive(mesh: MeshedLine) -> DriveRows:
-    """Return the table of a meshed line's drive up to the greatest speed of the meshed line."""
+def tabulate_drive(mesh: MeshedLine) -> PlaceRows:
+    """Return the tables of a meshed line's drive up to the greatest speed of the meshed line."""
     return drive_rows(mesh.data, float(mesh.cell_limit_ms.max()))
 
 
-def piece_shares(mesh: MeshedLine, rows: DriveRows, pieces: Pieces, price_of_time: float) -> FloatArray:
+def piece_shares(mesh: MeshedLine, rows: PlaceRows, pieces: Pieces, price_of_time: float) -> FloatArray:
     """Return at most what each piece adds to energy and priced time [J]; shape (k,)."""
     length, ceiling2 = np.diff(pieces.position_m), pieces.ceiling2
     # where the price of a curve cuts speeds off, none is left out beside
@@ -79,7 +79,7 @@ def piece_shares(mesh: MeshedLine, rows: DriveRows, pieces: Pieces, price_of_tim
 
 def _replace_at_rest(
     data: MeshData,
-    rows: DriveRows,
+    rows: PlaceRows,
     pieces: Pieces,
     limit_ms: FloatArray,
     price_of_time: float,
@@ -91,7 +91,6 @@ def _replace_at_rest(
     at least sqrt(2 d / a). The work at the wheels is N = +-K w + (A + G) d or more, and costs at least the greater of
     eta N and eta_b r N, the least per work of driving and the most returned per work of braking.
     """
-    driving, braking, taken, returned = rows.at_rest
     inertia = data.half_inertia_kg
     places = np.searchsorted(pieces.position_m, np.append(0.0, np.cumsum(data.cell_length_m)) - SAME_PLACE_M)
     for place in places[data.fixed_speed2 == 0.0]:
@@ -103,10 +102,13 @@ def _replace_at_rest(
                 continue
             length = pieces.position_m[piece + 1] - pieces.position_m[piece]
             cell = pieces.cell[piece]
+            table = rows_at(rows, data.place[cell])
+            driving, braking, taken, returned = table.at_rest
             resisted = data.resistance_constant_n + data.line_force_n[cell]
             powered = 1.0 if data.supply_share[cell] >= 1.0 else 0.0
-            effort = powered * driving - resisted if side > 0.0 else powered * braking + rows.friction_n + resisted
+            effort = powered * driving - resisted if side > 0.0 else powered * braking + table.friction_n + resisted
             if side < 0.0:
+                effort += data.starting_n
                 # resistance helps, too: that at the limit of speed bounds the speed at the start, and so itself
                 linear, quadratic, limit = data.resistance_linear, data.resistance_quadratic[cell], limit_ms[piece]
                 fastest2 = length * (effort + linear * limit + quadratic * limit**2) / inertia
@@ -124,7 +126,7 @@ def _replace_at_rest(
             squares = np.clip(np.array([0.0, fastest2, -side * level / inertia]), 0.0, fastest2)
             work = side * inertia * squares + level
             cost = (
-                np.maximum(taken * work, returned * data.recuperation_factor * work) - side * price * inertia * squares
+                np.maximum(taken * work, returned * table.recuperation_factor * work) - side * price * inertia * squares
             )
             shares[piece] = price_of_time * (2.0 * length / acceleration) ** 0.5 + cost.min()
 

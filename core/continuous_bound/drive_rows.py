@@ -33,7 +33,9 @@ from railjoule.core.drive.kernels import has_standstill_brake, work_bounds
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.envelope import lower_hull
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort, upper_line
-from railjoule.core.physics.mesh_data import MeshData
+from railjoule.core.physics.mesh_data import MeshData, at_place
+from railjoule.core.physics.place_limits import NO_PLACE
+from railjoule.core.physics.resistance import starting_resistance
 
 SPEEDS, LOSSLESS_SPEEDS = 240, 160
 """Row j of so many lies at the share (j / SPEEDS)^3 of the greatest speed. The second number is for a drive of constant
@@ -57,7 +59,7 @@ CLOSE = 1.0
 
 
 class DriveRows(NamedTuple):
-    """The table of one drive under its limits.
+    """The table of one drive under the limits of one kind of place.
 
     Parameters
     ----------
@@ -71,8 +73,12 @@ class DriveRows(NamedTuple):
         At least the largest effort of the drive, and of all brakes [N].
     at_rest : array of shape (4,)
         Greatest tractive and electric braking effort [N], least energy per work of driving, most per work of braking.
-    friction_n : float
-        Largest effort of the friction brakes [N].
+    friction_n, recuperation_factor : float
+        Largest effort of the friction brakes [N], and share of the generated energy that the supply takes back.
+    starting_n : array of shape (m,)
+        Starting resistance of the train [N]; it is linear between rows.
+    starting_at_rest_n : float
+        The same at rest [N].
     """
 
     speed_ms: FloatArray
@@ -82,21 +88,70 @@ class DriveRows(NamedTuple):
     braking_n: FloatArray
     at_rest: FloatArray
     friction_n: float
+    recuperation_factor: float
+    starting_n: FloatArray
+    starting_at_rest_n: float
 
 
-_KEPT: dict[Hashable, DriveRows] = {}
+class PlaceRows(NamedTuple):
+    """The tables of all kinds of places of a line, over the same rows and prices; the last is that of NO_PLACE.
+
+    Parameters
+    ----------
+    speed_ms, price
+        As in `DriveRows`.
+    least, driving_n, braking_n, at_rest : arrays of shape (p, k, m), (p, m), (p, m) and (p, 4)
+        The same at each kind of place.
+    friction_n, recuperation_factor : array of shape (p,)
+        The same.
+    starting_n, starting_at_rest_n : arrays of shape (p, m) and (p,)
+        The same; equal at all places.
+    """
+
+    speed_ms: FloatArray
+    price: FloatArray
+    least: FloatArray
+    driving_n: FloatArray
+    braking_n: FloatArray
+    at_rest: FloatArray
+    friction_n: FloatArray
+    recuperation_factor: FloatArray
+    starting_n: FloatArray
+    starting_at_rest_n: FloatArray
+
+
+@njit(cache=True)
+def rows_at(rows: PlaceRows, place: int) -> DriveRows:
+    """Return the table of one kind of place."""
+    return DriveRows(
+        rows.speed_ms,
+        rows.price,
+        rows.least[place],
+        rows.driving_n[place],
+        rows.braking_n[place],
+        rows.at_rest[place],
+        rows.friction_n[place],
+        rows.recuperation_factor[place],
+        rows.starting_n[place],
+        rows.starting_at_rest_n[place],
+    )
+
+
+_KEPT: dict[Hashable, PlaceRows] = {}
 _LOCK = threading.Lock()
 
 
-def drive_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
-    """Return the table of a meshed line's drive up to a speed [m/s]; kept for the next call with the same drive."""
-    limits = mesh.traction, mesh.braking
+def drive_rows(mesh: MeshData, fastest_ms: float) -> PlaceRows:
+    """Return the tables of a meshed line's drive up to a speed [m/s]; kept for the next call with the same drive."""
     key = (
         mesh.drive_kind,
         mesh.drive_parameters.tobytes(),
-        *((limit.constant_n, limit.power_w, limit.table.tobytes()) for limit in limits),
+        *((limit.constant_n, limit.power_w, limit.table.tobytes()) for limit in (mesh.traction, mesh.braking)),
         mesh.recuperation_factor,
         mesh.friction_effort_n,
+        *(array.tobytes() for array in mesh.places),
+        mesh.starting_n,
+        mesh.starting_ends_ms,
         fastest_ms,
     )
     with _LOCK:
@@ -108,25 +163,50 @@ def drive_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
     return rows
 
 
-def _make_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
+def _make_rows(mesh: MeshData, fastest_ms: float) -> PlaceRows:
+    # the last one is also found by the number of NO_PLACE
+    meshes = [at_place(mesh, place) for place in (*range(len(mesh.places.friction_n)), NO_PLACE)]
     is_lossless = mesh.drive_kind == CONSTANT_EFFICIENCY
     speed = _row_speeds(fastest_ms, LOSSLESS_SPEEDS if is_lossless else SPEEDS)
-    for limit in (mesh.traction, mesh.braking):
-        speed = _halve_loose_strips(limit, speed)
-    most = np.array([_upper_efforts(limit, speed) for limit in (mesh.traction, mesh.braking)])
-    effort_share = ALL_OR_NOTHING if is_lossless else EFFORT_SHARES
-    energy = fill_energies(mesh, speed, most, effort_share)
+    if mesh.starting_n > 0.0 and speed[0] < mesh.starting_ends_ms < speed[-1]:
+        # its corner: between rows it is linear
+        speed = np.union1d(speed, mesh.starting_ends_ms)
+    for one in meshes:
+        for limit in (one.traction, one.braking):
+            speed = _halve_loose_strips(limit, speed)
     bounds = work_bounds(mesh.drive_kind, mesh.drive_parameters)
+    price = np.unique(np.concatenate([_price_grid(one, bounds) for one in meshes]))
+    effort_share = ALL_OR_NOTHING if is_lossless else EFFORT_SHARES
+    rows = [_rows_of_place(one, speed, price, effort_share, bounds) for one in meshes]
+    return PlaceRows(speed, price, *(np.array(column) for column in list(zip(*rows, strict=True))[2:]))
+
+
+def _rows_of_place(
+    mesh: MeshData, speed: FloatArray, price: FloatArray, effort_share: FloatArray, bounds: tuple[float, float]
+) -> DriveRows:
+    """Return the table of a drive over given rows of speed [m/s], prices and shares of the largest effort."""
+    most = np.array([_upper_efforts(limit, speed) for limit in (mesh.traction, mesh.braking)])
+    energy = fill_energies(mesh, speed, most, effort_share)
     # A machine cannot reach some efforts of the lines above its limits, so their power is NaN. The least that the drive
     # needs per work at the wheels is a lower bound there, too.
     effort = most[:, :, np.newaxis] * effort_share
     per_work = np.array([bounds[0], -bounds[1] * mesh.recuperation_factor]).reshape(2, 1, 1)
     energy = np.where(np.isnan(energy), per_work * effort, energy)
-    price = _price_grid(mesh, bounds)
-    least = np.empty((len(price), len(speed)))
-    fill_least(energy, most, effort_share, price, mesh.friction_effort_n, least)
+    least, friction = np.empty((len(price), len(speed))), mesh.friction_effort_n
+    fill_least(energy, most, effort_share, price, friction, least)
     at_rest = np.array([mesh.traction.constant_n, mesh.braking.constant_n, *bounds])
-    return DriveRows(speed, price, least, most[0], most[1] + mesh.friction_effort_n, at_rest, mesh.friction_effort_n)
+    return DriveRows(
+        speed,
+        price,
+        least,
+        most[0],
+        most[1] + friction,
+        at_rest,
+        friction,
+        mesh.recuperation_factor,
+        starting_resistance(mesh.starting_n, mesh.starting_ends_ms, speed),
+        mesh.starting_n,
+    )
 
 
 def _row_speeds(fastest_ms: float, count: int) -> FloatArray:
@@ -227,8 +307,8 @@ def fill_least(
 
 
 @njit(cache=True, error_model="numpy")
-def bracket(rows: DriveRows, price: float) -> tuple[int, float]:
+def bracket(grid: FloatArray, price: float) -> tuple[int, float]:
     """Return the number of the grid's price below a price, and the share of the way from there to the next."""
-    g = min(max(int(np.searchsorted(rows.price, price)) - 1, 0), rows.price.shape[0] - 2)
-    share = (price - rows.price[g]) / (rows.price[g + 1] - rows.price[g])
+    g = min(max(int(np.searchsorted(grid, price)) - 1, 0), grid.shape[0] - 2)
+    share = (price - grid[g]) / (grid[g + 1] - grid[g])
     return g, min(max(share, 0.0), 1.0)

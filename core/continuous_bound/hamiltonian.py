@@ -2,18 +2,19 @@
 
 At a place with line force G and limit of speed v_m, with the price of force y of `pieces`,
 
-    H(v) = h(y, v) + y (A + G + B v) + lambda / v + q v^2,      q = y C + p',
+    H(v) = h(y, v) + y (A + G + B v + S(v)) + lambda / v + q v^2,      q = y C + p',
 
-with h of `drive_rows`. Between two rows h lies above its linear interpolant, and what is added is a function of v
-only: its second derivative is 2 lambda / v^3 + 2 q. If that is positive, a strip's least lies between its ends: the
-tangent at a point close to it is a bound. Otherwise the ends decide. Near rest the price of time outweighs all.
+with h of `drive_rows` and the starting resistance S, which is linear between its rows. Between two rows h lies above
+its linear interpolant, and what is added is a function of v only: its second derivative is 2 lambda / v^3 + 2 q. If
+that is positive, a strip's least lies between its ends: the tangent at a point close to it is a bound. Otherwise the
+ends decide. Near rest the price of time outweighs all.
 """
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
+from railjoule.core.continuous_bound.drive_rows import DriveRows, PlaceRows, bracket, rows_at
 from railjoule.core.continuous_bound.prices import Pieces
 from railjoule.core.physics.mesh_data import MeshData
 
@@ -57,7 +58,7 @@ def min_hamiltonian(
         Whether the drive has power; else there are only friction brakes.
     """
     speed = rows.speed_ms
-    g, share = bracket(rows, price)
+    g, share = bracket(rows.price, price)
     count = min(max(np.searchsorted(speed, limit), 1), speed.shape[0] - 1)
     level = price * constant
     beyond = price - min(max(price, rows.price[0]), rows.price[-1])
@@ -69,6 +70,8 @@ def min_hamiltonian(
         h = h - abs(beyond) * (rows.driving_n if beyond > 0.0 else rows.braking_n)[first : count + 1]
     if not powered:
         h = 0.0 * h + rows.friction_n * min(price, 0.0)
+    if rows.starting_at_rest_n > 0.0:
+        h = h + price * rows.starting_n[first : count + 1]
     total = h[:-1] + (level + price * linear * v) + price_of_time * bend[0, first:count] + by_speed2 * v * v
     # the last strip ends at the limit
     before, width = v[-1], speed[count] - v[-1]
@@ -106,6 +109,8 @@ def _slowest_row(
     driving, braking, taken, returned = rows.at_rest
     braked = rows.friction_n * min(price, 0.0)
     worth = braked + (min(0.0, (taken - price) * driving, (price - returned) * braking) if powered else 0.0)
+    # where the price of force is negative, the starting resistance is worth something, at most that at rest
+    worth += rows.starting_at_rest_n * min(price, 0.0)
     if beyond != 0.0:
         return worth, 0
     known = np.inf
@@ -113,6 +118,7 @@ def _slowest_row(
         j = count * tenth // 10
         v = rows.speed_ms[j]
         h = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j] if powered else braked
+        h += price * rows.starting_n[j]
         if j < count:
             known = min(known, h + level + price * linear * v + price_of_time / v + by_speed2 * v * v)
     room = known - worth - level
@@ -168,15 +174,15 @@ def strip_bends(speed: FloatArray) -> FloatArray:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def piece_values(
-    mesh: MeshData, rows: DriveRows, pieces: Pieces, limit_ms: FloatArray, price_of_time: float
+    mesh: MeshData, rows: PlaceRows, pieces: Pieces, limit_ms: FloatArray, price_of_time: float
 ) -> FloatArray:
     """Return at most the least Hamiltonians at both ends of pieces [J/m]; shape (2, k).
 
     Parameters
     ----------
     mesh : MeshData
-    rows : DriveRows
-        The table of the drive.
+    rows : PlaceRows
+        The tables of the drive.
     pieces : Pieces
         The prices.
     limit_ms : array of shape (k,)
@@ -187,11 +193,12 @@ def piece_values(
     bend, half_inertia, values = strip_bends(rows.speed_ms), mesh.half_inertia_kg, np.empty_like(pieces.motion)
     for i in range(values.shape[1]):
         cell, length = pieces.cell[i], pieces.position_m[i + 1] - pieces.position_m[i]
+        table = rows_at(rows, mesh.place[cell])
         slope = -half_inertia * (pieces.motion[1, i] - pieces.motion[0, i]) / length
         for side in range(2):
             motion, force = pieces.motion[side, i], pieces.force[side, i]
             value = min_hamiltonian(
-                rows,
+                table,
                 bend,
                 force,
                 force * mesh.resistance_quadratic[cell] + slope + pieces.curve[side, i],

@@ -20,13 +20,13 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray, midpoints
 from railjoule.core.compiled import njit
-from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
+from railjoule.core.continuous_bound.drive_rows import PlaceRows, bracket
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.layout import ACCELERATION, DECELERATION
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.motion.meshed_line import MeshedLine
 from railjoule.core.motion.permitted_speed import curve_at
-from railjoule.core.physics.mesh_data import MeshData
+from railjoule.core.physics.mesh_data import MeshData, electric_limit_n, recuperation_factors, tractive_limit_n
 
 NEAR_M, NEAREST_M = 25.0, 1e-6
 """Within the first of these of a place of rest y is traced, down to the second [m]."""
@@ -78,8 +78,8 @@ class Trace(NamedTuple):
     ----------
     mesh : MeshData
         Of n cells.
-    rows : DriveRows
-        The table of the drive.
+    rows : PlaceRows
+        The tables of the drive.
     speed2, node_m : array of shape (n + 1,)
         Squares of speed of the run [m2/s2], and the nodes [m].
     position_m, cell
@@ -95,7 +95,7 @@ class Trace(NamedTuple):
     """
 
     mesh: MeshData
-    rows: DriveRows
+    rows: PlaceRows
     speed2: FloatArray
     node_m: FloatArray
     position_m: FloatArray
@@ -109,7 +109,7 @@ class Trace(NamedTuple):
     price_of_time: float
 
 
-def price_pieces(mesh: MeshedLine, optimum: Optimum, rows: DriveRows, price_of_time: float) -> Pieces:
+def price_pieces(mesh: MeshedLine, optimum: Optimum, rows: PlaceRows, price_of_time: float) -> Pieces:
     """Return the pieces of a meshed line with the prices that the multipliers of an optimum give.
 
     Parameters
@@ -118,8 +118,8 @@ def price_pieces(mesh: MeshedLine, optimum: Optimum, rows: DriveRows, price_of_t
         Over the optimum's mesh.
     optimum : Optimum
         Its point and multipliers.
-    rows : DriveRows
-        The table of the drive.
+    rows : PlaceRows
+        The tables of the drive.
     price_of_time : float
         Price of a second, auxiliary power included [W].
     """
@@ -216,13 +216,14 @@ def _marginal_prices(mesh: MeshData, optimum: Optimum, price: FloatArray) -> Flo
     mean = np.maximum(midpoints(speed), 1e-3)
     efficiency, generating = mesh.drive_parameters[:2]
     snapped = price.copy()
-    for effort, limit, cost in (
-        (optimum.traction_n, mesh.traction, 1.0 / efficiency),
-        (optimum.braking_n, mesh.braking, generating * mesh.recuperation_factor),
+    for effort, limit_n, cost in (
+        (optimum.traction_n, tractive_limit_n(mesh, mean), np.full(len(mean), 1.0 / efficiency)),
+        (optimum.braking_n, electric_limit_n(mesh, mean), generating * recuperation_factors(mesh)),
     ):
-        share = effort / limit.effort_n(mean)
+        # a curve may end or begin at no effort
+        share = effort / np.where(limit_n > 0.0, limit_n, np.inf)
         partial = (share > PARTIAL) & (share < 1.0 - PARTIAL) & (np.abs(price - cost) < MARGINAL)
-        snapped[partial] = cost
+        snapped[partial] = cost[partial]
     return snapped
 
 
@@ -342,13 +343,16 @@ def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     held = trace.force_price[i]
     price = motion_price if np.isnan(held) else held
     j = min(max(int(np.searchsorted(rows.speed_ms, speed)) - 1, 0), rows.speed_ms.shape[0] - 2)
-    g, share = bracket(rows, price)
-    low = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j]
-    high = (1.0 - share) * rows.least[g, j + 1] + share * rows.least[g + 1, j + 1]
+    g, share = bracket(rows.price, price)
+    place = mesh.place[i]
+    low = (1.0 - share) * rows.least[place, g, j] + share * rows.least[place, g + 1, j]
+    high = (1.0 - share) * rows.least[place, g, j + 1] + share * rows.least[place, g + 1, j + 1]
     by_speed = (high - low) / (rows.speed_ms[j + 1] - rows.speed_ms[j])
     if mesh.supply_share[i] < 1.0:
         by_speed = 0.0
     resisted = price * (mesh.resistance_linear + 2.0 * mesh.resistance_quadratic[i] * speed)
+    if speed < mesh.starting_ends_ms:
+        resisted -= price * mesh.starting_n / mesh.starting_ends_ms
     changed = by_speed + resisted - trace.price_of_time / (speed * speed)
     slope: float = changed / (2.0 * speed * mesh.half_inertia_kg)
     return slope

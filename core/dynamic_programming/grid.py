@@ -12,7 +12,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, exit_speed2
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, limits_at, shared_by_cells
 
 # Beyond the last point there may be no run, and a cost to go between that point and an infinite one would be infinite
 ON_GRID = 1e-9
@@ -40,10 +40,10 @@ def min_speeds(mesh: MeshData, fastest_speed2: FloatArray) -> FloatArray:
     Elsewhere they are a small share of the greatest ones, as nothing can start from rest between stops.
     """
     last = fastest_speed2.shape[0] - 1
-    limits = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     least = np.where(mesh.fixed_speed2 >= 0.0, mesh.fixed_speed2, fastest_speed2 * SLOWEST_SHARE**2)
     for i in range(last - 1, -1, -1):
-        cell = cell_at(mesh, i)
+        cell, limits = cell_at(mesh, i), limits_at(shared, i)
         if mesh.fixed_speed2[i] >= 0.0 or exit_under(limits, cell, least[i], FULL_TRACTION) >= least[i + 1]:
             continue
         low, high = least[i], fastest_speed2[i]
@@ -106,7 +106,7 @@ def _align_with_coasting(mesh: MeshData, fastest_speed2: FloatArray, grid: Float
     """Move the points of a grid in neutral sections to where the points before them coast, in place."""
     # Between two points the cost to go is infinite if it is at one of them, as at the edge of a band, beyond which no
     # state is known. A train that only coasts cannot steer clear of it, and each cell would take another point
-    limits, last = shared_by_cells(mesh), grid.shape[1] - 1
+    limits, last = shared_by_cells(mesh).own, grid.shape[1] - 1
     for i in range(grid.shape[0] - 1):
         if mesh.supply_share[i] >= 1.0 or mesh.fixed_speed2[i] >= 0.0 or mesh.fixed_speed2[i + 1] >= 0.0:
             continue

@@ -52,7 +52,7 @@ NO_POWERS = PowerTable(1.0, 0.0, np.zeros((2, 0)), np.zeros((2, 0, 0)), np.zeros
 @njit(cache=True, error_model="numpy", nogil=True)
 def tabulate_powers(mesh: MeshData) -> PowerTable:
     """Return the table of a meshed line's train."""
-    train, traction, braking, drive = shared_by_cells(mesh)
+    train, traction, braking, drive = shared_by_cells(mesh).own
     another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     least = NEXT_TO_NOTHING * traction.constant_n
     step = math.sqrt(mesh.limit_speed2.max()) / (SPEEDS - 1)
@@ -68,7 +68,7 @@ def tabulate_powers(mesh: MeshData) -> PowerTable:
                 force = max(largest[side, k] * j / (EFFORTS - 1), 2.0 * least)
                 force = force if side == DRIVING_SIDE else -force
                 # a cell whose only resistance is that force, passed at one speed
-                cell = Cell(1.0, 0.0, force, 0.0, 0.0, 1.0)
+                cell = Cell(1.0, 0.0, force, 0.0, 0.0, 1.0, 0.0, 1.0)
                 account = cell_balance(cell, train, traction, braking, drive, v * v, v * v)
                 loss[side, k, j] = account.supply_power_w - force * v
                 action[side, k, j], _ = action_of_cell(account, traction, another)

@@ -26,7 +26,7 @@ from railjoule.core.dynamic_programming.steps import (
 )
 from railjoule.core.golden_section import Bracket, inner_points, min_point, narrowed, next_point
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, limits_at, shared_by_cells
 
 # a grid point this close to the best speed squared, relatively, is the best one itself: its neighbours bracket it
 SAME_POINT = 1e-9
@@ -210,13 +210,20 @@ def roll_out(
         The action in each cell; -1 from there.
     """
     nodes = grid.shape[0]
-    limits = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     speed2, actions, label = np.full(nodes, -1.0), np.full(nodes - 1, -1), 0
     speed2[0] = grid[0, 0]
     for i in range(nodes - 1):
         moves = labels.moves[i, label]
         leaving_speed2, action = _best_exit(
-            limits, cell_at(mesh, i), speed2[i], grid[i + 1], cost_j[i + 1], price, moves, narrowings
+            limits_at(shared, i),
+            cell_at(mesh, i),
+            speed2[i],
+            grid[i + 1],
+            cost_j[i + 1],
+            price,
+            moves,
+            narrowings,
         )
         if action < 0:
             break

@@ -13,7 +13,7 @@ from railjoule.core.dynamic_programming.grid import exit_under
 from railjoule.core.dynamic_programming.steps import BRAKE, HOLD, POWER, ROUNDING
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, limits_at, shared_by_cells
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -47,11 +47,11 @@ def drive_regimes(
         Squares of speed [m2/s2]; -1 from where the train comes to a stand or cannot keep below the greatest.
     """
     nodes = planned2.shape[0]
-    limits = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     speed2 = np.full(nodes, -1.0)
     speed2[0] = planned2[0]
     for i in range(nodes - 1):
-        cell, entering = cell_at(mesh, i), speed2[i]
+        cell, entering, limits = cell_at(mesh, i), speed2[i], limits_at(shared, i)
         leaving = _exit_of_regime(limits, cell, entering, regimes[i], planned2[i + 1])
         if i == cell_number and i + 1 < nodes - 1:
             other = _exit_of_regime(limits, cell, entering, regimes[i + 1], planned2[i + 1])

@@ -16,7 +16,7 @@ from railjoule.core.dynamic_programming.grid import exit_under, grid_range, plac
 from railjoule.core.dynamic_programming.power_table import PowerTable, tabulated_cost
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, cell_cost
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, limits_at, shared_by_cells
 
 REGIMES = 4
 POWER, HOLD, ROLL, BRAKE = range(REGIMES)
@@ -100,13 +100,13 @@ def tabulate_steps(mesh: MeshData, grid: FloatArray, table: PowerTable, by_regim
         Whether actions are regimes: then steps to grid points brake, and no step that ends faster than coasting does.
     """
     nodes, points = grid.shape
-    limits = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     # the steps of all states stand in one array: how many there are has to be counted first
     first = np.zeros((nodes - 1, points + 1), dtype=np.int64)
     span = np.empty((nodes - 1, points, 2))
     total = 0
     for i in range(nodes - 1):
-        cell, row = cell_at(mesh, i), grid[i + 1]
+        cell, row, limits = cell_at(mesh, i), grid[i + 1], limits_at(shared, i)
         for k in range(points):
             first[i, k] = total
             # equal points, as all of a node with a fixed speed are, have the steps of the first of them
@@ -121,7 +121,7 @@ def tabulate_steps(mesh: MeshData, grid: FloatArray, table: PowerTable, by_regim
     lower, weight = np.empty(total, dtype=np.int64), np.empty(total)
     action, is_exact = np.zeros(total, dtype=np.int64), table.loss_w.shape[1] == 0
     for i in range(nodes - 1):
-        cell, row = cell_at(mesh, i), grid[i + 1]
+        cell, row, limits = cell_at(mesh, i), grid[i + 1], limits_at(shared, i)
         for k in range(points):
             (low, top), coasted = span[i, k], math.inf
             if by_regime and first[i, k] < first[i, k + 1]:

@@ -124,6 +124,8 @@ def free_parameters(asked: Sequence[str] | None, vehicle: Vehicle, has_power: bo
         If a name is unknown, or the vehicle or the runs know nothing of it.
     """
     efficient = isinstance(vehicle.drive, ConstantEfficiency)
+    if vehicle.resistance.starting_ends_at_kmh is not None:
+        raise RecordingError("vehicle.resistance.starting_n_per_kn and starting_n: a fit has no starting resistance.")
     if asked is None:
         known = [name for name in DEFAULT if has_power or name in MOTION]
         return tuple(name for name in known if efficient or name != EFFICIENCY)

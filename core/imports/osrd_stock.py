@@ -1,6 +1,7 @@
 """Rolling stock of OSRD: JSON 3.0 to 3.4, a vehicle."""
 
 import math
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -151,14 +152,14 @@ def _curve(curves: EffortCurves, mode: str | None, notes: Notes) -> list[list[fl
     where = f"effort_curves.modes.{name}.default_curve"
     if len(speeds) != len(efforts):
         raise ScenarioError(f"{notes.source}: {where} has {len(speeds)} speeds and {len(efforts)} max_efforts.")
-    # a speed that stands twice is a step, for which our curves have no room: the effort beyond it holds
+    # a speed that stands twice is a step; of more points at one speed only the first and the last are its sides
     points = [
         [speed / MS_PER_KMH, effort / N_PER_KN]
-        for speed, effort, later in zip(speeds, efforts, (*speeds[1:], math.inf), strict=True)
-        if speed != later
+        for before, speed, effort, later in zip((-1.0, *speeds), speeds, efforts, (*speeds[1:], math.inf), strict=False)
+        if not before == speed == later
     ]
-    if steps := len(speeds) - len(points):
-        notes.add("reading", f"{where}: {counted(steps, 'step')} of the effort: that beyond counts.")
+    if steps := sum(one[0] == other[0] for one, other in pairwise(points)):
+        notes.add("reading", f"{where}: {counted(steps, 'step')} of the effort, at which the lower one holds.")
     return points
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, Notes
 from railjoule.core.imports.vehicle import KG_PER_T, ImportedVehicle, imported_vehicle
@@ -18,7 +19,7 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN
 # at which the coefficients of rolling and air resistance are given: TrainRuns.jl, after Wende 2003, p. 151
 REFERENCE_KMH = 100.0
 # for a file without one: TrainRuns.jl, after Bruenger, Dahlhaus 2014, p. 74
-USUAL_DECELERATION_MS2 = 0.375
+USUAL_DECELERATION_MS2, FREIGHT_DECELERATION_MS2 = 0.375, 0.225
 # an integer may have more digits than a number with a point can hold
 MAX_FORCE_N = 1e12
 OLD_KEYS = {
@@ -55,6 +56,7 @@ class RailVehicle(Foreign):
     """
 
     id: str = Field(max_length=200)
+    vehicle_type: str | None = None
     length: Positive
     mass: Positive
     load_limit: NotNegative = 0.0
@@ -137,21 +139,23 @@ def read_train(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
     train, formation = _formation(file, wanted, notes)
     for vehicle in {vehicle.id: vehicle for vehicle in formation}.values():
         _note_parts(vehicle, notes)
-    masses_t = _loaded_masses_t(train, formation, notes)
-    mass_kg = KG_PER_T * sum(masses_t)
-    # a vehicle gives its share of its empty mass, as no load rotates
-    rotating = sum(vehicle.mass * (vehicle.rotation_mass - 1) for vehicle in formation) / sum(masses_t)
+    tare_t, max_load_t = sum(one.mass for one in formation), sum(one.load_limit for one in formation)
+    loads_t = _loads_t(train, formation, notes)
+    # a vehicle gives the inertia of its rotating parts as a share of its empty mass
+    inertia_t = sum(vehicle.mass * vehicle.rotation_mass for vehicle in formation)
     limits = [vehicle.speed_limit for vehicle in formation if vehicle.speed_limit is not None]
     if not limits:
         raise ScenarioError(f"{notes.source}: speed_limit is missing in all vehicles of the train.")
     table = {
         "name": (train.name or train.id)[:200],
-        "tare_kg": mass_kg,
-        "rotating_mass_factor": rotating,
+        "tare_kg": KG_PER_T * tare_t,
+        "inertial_mass_kg": KG_PER_T * inertia_t,
+        "max_load_t": max_load_t or None,
+        "load_t": sum(loads_t) or None,
         "length_m": sum(vehicle.length for vehicle in formation),
-        "resistance": _resistance(formation, masses_t, notes),
+        "resistance": _resistance(formation, loads_t, notes),
         "traction": {"max_speed_kmh": min(limits), **_traction(formation, notes.source)},
-        "braking": _braking(formation, (1 + rotating) * mass_kg, notes),
+        "braking": _braking(formation, KG_PER_T * (inertia_t + max_load_t), _usual_deceleration(formation), notes),
     }
     return imported_vehicle(table, notes)
 
@@ -190,26 +194,25 @@ def _note_parts(vehicle: RailVehicle, notes: Notes) -> None:
         notes.add("question", f"{where} {sentence}")
 
 
-def _loaded_masses_t(train: Train, formation: Sequence[RailVehicle], notes: Notes) -> list[float]:
-    """Compute the mass of each vehicle with its load [t]."""
+def _loads_t(train: Train, formation: Sequence[RailVehicle], notes: Notes) -> list[float]:
+    """Return the load of each vehicle [t]; an empty train's are 0."""
     if (factors := train.loading_factor) is None:
         if total := sum(vehicle.load_limit for vehicle in formation):
-            notes.add_unused(f"load_limit: the train is empty, and may carry {total:g} t.")
-        return [vehicle.mass for vehicle in formation]
+            notes.add("assumption", f"the train is empty; vehicle.load_t loads it with up to {total:g} t.")
+        return [0.0] * len(formation)
     if len(factors) != len(formation):
         raise ScenarioError(
             f"{notes.source}: train {train.id}: loading_factor has {len(factors)} entries for {len(formation)} "
             "vehicles."
         )
-    loads = [share * one.load_limit for share, one in zip(factors, formation, strict=True)]
-    notes.add("assumption", f"vehicle.tare_kg includes its load of {sum(loads):g} t.")
-    return [vehicle.mass + load for vehicle, load in zip(formation, loads, strict=True)]
+    return [share * one.load_limit for share, one in zip(factors, formation, strict=True)]
 
 
-def _resistance(formation: Sequence[RailVehicle], masses_t: Sequence[float], notes: Notes) -> dict[str, float]:
+def _resistance(formation: Sequence[RailVehicle], loads_t: Sequence[float], notes: Notes) -> dict[str, Any]:
     """Compute resistance over weight: one per mille of the weight is one newton a kilonewton.
 
-    The coefficients of a vehicle are per mille of its loaded weight, as in TrainRuns.jl.
+    The coefficients of a vehicle are per mille of its loaded weight, as in TrainRuns.jl: the mean over the empty masses
+    is that of the empty train, the mean over the loads that of the load, which only some of the vehicles carry.
     """
     # on driving axles the base, on carrying ones the rolling coefficient; a load is spread over the axles as the empty
     # mass is
@@ -225,10 +228,20 @@ def _resistance(formation: Sequence[RailVehicle], masses_t: Sequence[float], not
     ]
     base, rolling, air, is_driven, share = np.array(rows).T
     constant = np.where(is_driven, base * share + rolling * (1 - share), base)
-    terms = masses_t @ np.column_stack([constant, np.where(is_driven, 0.0, rolling), air]) / sum(masses_t)
+    terms = np.column_stack([constant, np.where(is_driven, 0.0, rolling), air])
     if silent := [one.id for one in formation if one.base_resistance is None]:
         notes.add("question", f"no base_resistance of {shown_list(list(Counter(silent)))}: none is taken.")
     notes.add("assumption", f"coefficients of rolling and air resistance are taken as those at {REFERENCE_KMH:g} km/h.")
+    # an empty train may be loaded later: then all of its vehicles are as full as each other
+    carried = loads_t if any(loads_t) else [one.load_limit for one in formation]
+    table: dict[str, Any] = _specific(np.average(terms, axis=0, weights=[one.mass for one in formation]))
+    if any(carried):
+        table["load"] = _specific(np.average(terms, axis=0, weights=carried))
+    return table
+
+
+def _specific(terms: FloatArray) -> dict[str, float]:
+    """Return the keys of specific terms, constant and linear and quadratic at the reference speed [per mille]."""
     return {
         "constant_n_per_kn": float(terms[0]),
         "linear_n_per_kn_per_kmh": float(terms[1]) / REFERENCE_KMH,
@@ -247,13 +260,9 @@ def _traction(formation: Sequence[RailVehicle], source: str) -> dict[str, Any]:
         raise ScenarioError(f"{source}: tractive_effort is missing in some driven vehicles of the train.")
     if with_table:
         for vehicle, table in zip(driven, with_table, strict=True):
-            if any(later.speed <= earlier.speed for earlier, later in pairwise(table)):
+            if any(later.speed < earlier.speed for earlier, later in pairwise(table)):
                 raise ScenarioError(f"{source}: vehicle {vehicle.id}: tractive_effort must have rising speeds.")
-        speeds = sorted({pair.speed for table in with_table for pair in table})
-        total = np.zeros(len(speeds))
-        for table in with_table:
-            total += np.interp(speeds, [pair.speed for pair in table], [pair.force for pair in table])
-        return {"curve": [[speed, float(force)] for speed, force in zip(speeds, total, strict=True)]}
+        return {"curve": _sum_of_tables(with_table)}
     efforts = {}
     for key, name in (("max_effort_kn", "initial_tractive_force"), ("max_power_kw", "rated_power")):
         values = [getattr(vehicle, name) for vehicle in driven]
@@ -263,7 +272,30 @@ def _traction(formation: Sequence[RailVehicle], source: str) -> dict[str, Any]:
     return efforts
 
 
-def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) -> dict[str, float]:
+def _sum_of_tables(tables: Sequence[Sequence[Pair]]) -> list[list[float]]:
+    """Return the sum of efforts over speed [km/h, kN]; where one of them has a step, so has the sum."""
+    speeds = sorted({pair.speed for table in tables for pair in table})
+    steps = {one.speed for table in tables for one, other in pairwise(table) if one.speed == other.speed}
+    # a step has one sum on each side
+    places = [(speed, end) for speed in speeds for end in ((0.0, np.inf) if speed in steps else (speed,))]
+    sums = [
+        sum(
+            np.interp(np.nextafter(speed, end), [pair.speed for pair in table], [pair.force for pair in table])
+            for table in tables
+        )
+        for speed, end in places
+    ]
+    return [[speed, float(total)] for (speed, _), total in zip(places, sums, strict=True)]
+
+
+def _usual_deceleration(formation: Sequence[RailVehicle]) -> float:
+    """Return the deceleration of a train whose file has none [m/s2]: with wagons and no passengers that of freight."""
+    kinds = {vehicle.vehicle_type for vehicle in formation}
+    is_freight = "freight" in kinds and not kinds & {"passenger", "multiple unit"}
+    return FREIGHT_DECELERATION_MS2 if is_freight else USUAL_DECELERATION_MS2
+
+
+def _braking(formation: Sequence[RailVehicle], inertia_kg: float, usual_ms2: float, notes: Notes) -> dict[str, float]:
     """Compute electric brakes by their forces, and friction brakes by theirs or by the deceleration they give."""
     forces = [vehicle.brake_force for vehicle in formation if vehicle.brake_force is not None]
     # the force stays up to that speed, and from there on the power
@@ -280,7 +312,9 @@ def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) 
     elif services:
         return {**braking, "friction_effort_kn": services}
     else:
-        what = f"one for {USUAL_DECELERATION_MS2} m/s2 is assumed"
+        what = f"one for {usual_ms2} m/s2 with the largest load is assumed"
         notes.add("assumption", f"no friction brake is given: {what}.")
-    braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=USUAL_DECELERATION_MS2) / N_PER_KN
+        # or the brake of the largest load would stop an empty train far sooner
+        braking["max_deceleration_ms2"] = usual_ms2
+    braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=usual_ms2) / N_PER_KN
     return braking

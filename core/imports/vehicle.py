@@ -107,7 +107,7 @@ def _doubts_by_mass(vehicle: Vehicle, mass_t: float) -> Iterator[_Doubt]:
                 yield _Doubt(f"{name}.{key}", amount, unit, amount / mass_t, low, high)
     weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
     terms, speed = vehicle.resistance, vehicle.traction.max_speed_kmh
-    standing = terms.constant_n + weight_kn * vehicle.specific_resistance.constant_n_per_kn
+    standing = terms.absolute[0] + weight_kn * vehicle.specific_resistance.constant_n_per_kn
     yield _Doubt("resistance.constant_n", standing, "N", standing / weight_kn, 0.2, 20.0)
     # from nothing on, as neither of the other terms must be there
     for key, unit, power in (("linear_n_per_kmh", "N/(km/h)", 1), ("quadratic_n_per_kmh2", "N/(km/h)2", 2)):
@@ -115,6 +115,9 @@ def _doubts_by_mass(vehicle: Vehicle, mass_t: float) -> Iterator[_Doubt]:
         yield _Doubt(f"resistance.{key}", amount, unit, amount * speed**power / weight_kn, 0.0, 60.0)
     if (factor := vehicle.rotating_mass_factor) is not None:
         yield _Doubt("rotating_mass_factor", factor, "", factor, 0.0, 0.6, (0.01,))
+    elif vehicle.inertial_mass_kg is not None:
+        share = vehicle.inertial_mass_kg / vehicle.tare_kg - 1
+        yield _Doubt("inertial_mass_kg", vehicle.inertial_mass_kg, "kg", share, 0.0, 0.6, ())
     drive = vehicle.drive
     for name in ("traction_efficiency", "braking_efficiency") if isinstance(drive, ConstantEfficiency) else ():
         if (share := getattr(drive, name)) is not None:

@@ -22,7 +22,8 @@ from railjoule.core.physics.cell import (
 )
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.physics.energy_balance import energy_per_metre
-from railjoule.core.physics.mesh_data import MeshData, scaled_cell_at
+from railjoule.core.physics.mesh_data import MeshData, limits_at, scaled_cell_at, shared_by_cells
+from railjoule.core.physics.resistance import mean_starting_curvatures
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -54,9 +55,8 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
     h, w, free = mesh.cell_length_m, work.nodes.speed2, work.nodes.free
     cells, rows, z, used = work.cells, work.rows, work.rows.multiplier, work.used
     kind, parameters = mesh.drive_kind, mesh.drive_parameters
-    share, idles = mesh.recuperation_factor, has_idle_losses(mesh.drive_kind)
+    idles, shared = has_idle_losses(mesh.drive_kind), shared_by_cells(mesh)
     friction = used[ix.FRICTION_POSITIVE] > 0.0
-    top_braking, top_friction = mesh.braking.constant_n / scale, mesh.friction_effort_n / scale
     work.nodes.time_gradient[:] = 0.0
     work.nodes.gradient[:] = 0.0
     energy = gross = total_time = 0.0
@@ -70,8 +70,10 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         u0 = mean_speed_slope(v0) if free[i] > 0.0 else 0.0
         u1 = mean_speed_slope(v1) if free[i + 1] > 0.0 else 0.0
         cell = scaled_cell_at(mesh, i, scale)
+        train, pulling, electric, _ = limits_at(shared, i)
+        share = train.recuperation_factor
         force = needed_force(cell, w[i], w[i + 1], v)
-        d0, d1 = force_slopes(cell, u0, u1)
+        d0, d1 = force_slopes(cell, w[i], w[i + 1], u0, u1)
         f = cells.traction[i]
         # without friction brakes the electric brake does all: one variable less
         x = cells.braking[i] if friction else f - force
@@ -86,7 +88,11 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         e, g = taken[0], generated[0]
         energy += h[i] * smooth_supply_power(e, g, cells.drawn[i], share)
         gross += h[i] * abs(e)
-        largest = cell.supply_share, cell.supply_share * top_braking, top_friction
+        largest = (
+            cell.supply_share * (pulling.constant_n / scale),
+            cell.supply_share * (electric.constant_n / scale),
+            train.friction_effort_n / scale,
+        )
         _fill_constant_rows(work, i, (f, x, f - force - x), largest)
         # Of g, what braking generates, the supply takes its share; where braking draws (g < 0) all of it is paid for:
         # cost -share g + (1 - share) psi with psi >= 0, psi >= -g. The multiplier of the latter acts on g like a share.
@@ -96,8 +102,8 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
             rows.residual[ix.DRAWN_POSITIVE, i], rows.residual[ix.DRAWN, i] = cells.drawn[i], cells.drawn[i] + g
             rows.by_effort[ix.DRAWN, i], rows.by_speed[ix.DRAWN, i] = generated[1], generated[2]
         _fill_derivatives(work, i, h[i], v, (taken, generated), returned, time_price * t)
-        _add_over_speed(mesh.traction, ix.TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
-        _add_over_speed(mesh.braking, ix.BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
+        _add_over_speed(pulling, ix.TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
+        _add_over_speed(electric, ix.BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
         # D acts through the brake that balances the cell, q = f - D - x, or x = f - D where there is no friction: the
         # Lagrangian's derivative by D is minus that by this brake's effort
         price = z[ix.FRICTION_CONSTANT, i] - z[ix.FRICTION_POSITIVE, i] if friction else cells.braking_gradient[i]
@@ -105,6 +111,10 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         cells.speed_by_start[i], cells.speed_by_end[i], cells.inertia[i] = u0, u1, cell.inertia
         cells.force_price[i] = -price
         _scatter_to_nodes(work, i, t / v, cells.speed_gradient[i] - price * cell.linear)
+        if cell.starting_n > 0.0:
+            by_start, by_end = mean_starting_curvatures(cell.starting_n, cell.starting_ends_ms, w[i], w[i + 1])
+            work.curvature[ix.START_WW, i] -= price * by_start if free[i] > 0.0 else 0.0
+            work.curvature[ix.END_WW, i] -= price * by_end if free[i + 1] > 0.0 else 0.0
         v0 = v1
     if idles:
         keep_larger_curvature(work.curvature, work.last_curvature)
@@ -123,7 +133,7 @@ def _fill_constant_rows(
     efforts : tuple
         Traction, electric and friction braking: f, x and q.
     largest : tuple
-        The largest of them, that of traction 1 but for neutral sections.
+        The largest of them, that of traction 1 unless the place lowers it.
     """
     residual = work.rows.residual
     f, x, q = efforts

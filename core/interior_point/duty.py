@@ -20,7 +20,7 @@ from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import FORBIDDING_PRICE, hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, limits_at, shared_by_cells
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING, NOTHING
 
 DRIVEN, COASTED = 0.98, 0.02
@@ -45,22 +45,23 @@ def duty(mesh: MeshData, optimum: Optimum) -> Duty:
         Of any decision where the drive is on.
     """
     h, w = mesh.cell_length_m, optimum.speed2
-    kind, parameters, friction = mesh.drive_kind, mesh.drive_parameters, mesh.friction_effort_n
+    kind, parameters, shared = mesh.drive_kind, mesh.drive_parameters, shared_by_cells(mesh)
     driving, braking = np.empty(h.shape[0]), np.empty(h.shape[0])
     another = has_standstill_brake(kind, parameters)
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
-        _, touch = hull_power(kind, parameters, False, mesh.traction, 0.0, v, 0.0)
+        train, traction, electric, _ = limits_at(shared, i)
+        _, touch = hull_power(kind, parameters, False, traction, 0.0, v, 0.0)
         driving[i] = min(optimum.traction_n[i] / touch, 1.0)
-        power, touch = hull_power(kind, parameters, True, mesh.braking, 0.0, v, 0.0)
+        power, touch = hull_power(kind, parameters, True, electric, 0.0, v, 0.0)
         braking[i] = min(optimum.braking_n[i] / touch, 1.0)
         # Braking that gains nothing is left to the other brakes. How the optimum shares it between brakes that cost
         # the same is an accident of the barrier
-        gains = power[1] < 0.0 and mesh.recuperation_factor > 0.0
+        gains = power[1] < 0.0 and train.recuperation_factor > 0.0
         if another and optimum.braking_n[i] > touch:
             # next to a stop the effort that is needed may draw, though a smaller one would generate
             gains = gains and smooth_power_when_on(kind, parameters, True, optimum.braking_n[i], v)[0] < 0.0
-        if not gains and (another or -needed_force(cell_at(mesh, i), w[i], w[i + 1], v) <= friction):
+        if not gains and (another or -needed_force(cell_at(mesh, i), w[i], w[i + 1], v) <= train.friction_effort_n):
             braking[i] = 0.0
     return Duty(driving, braking)
 
@@ -100,7 +101,7 @@ def coasting_exactly(mesh: MeshData, optimum: Optimum) -> FloatArray:
     The method leaves tiny efforts everywhere, and with any effort the drive would count as on.
     """
     speed2, residue = optimum.speed2.copy(), NEXT_TO_NOTHING * mesh.traction.constant_n
-    train, traction, braking, _ = shared_by_cells(mesh)
+    train, traction, braking, _ = shared_by_cells(mesh).own
     for i in range(mesh.cell_length_m.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
         if small and math.isnan(mesh.fixed_speed2[i + 1]) and speed2[i] > 0.0:

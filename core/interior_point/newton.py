@@ -92,7 +92,7 @@ def condense(work: Work, exact: bool) -> FloatArray:
         weight = fixed + over
         slope = over * limit_slope
         remainder = fixed * over * limit_slope * limit_slope
-        if work.used[ix.DRAWN] > 0.0:
+        if rows.weight[ix.DRAWN, i] > 0.0:
             first, second = ratio[ix.DRAWN_POSITIVE, i], ratio[ix.DRAWN, i]
             # psi is eliminated first: at its least, first psi^2 + second (psi + g_x x + g_v v)^2 is two springs in
             # series, the product over the sum, on (g_x x + g_v v)^2

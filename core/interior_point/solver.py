@@ -29,7 +29,7 @@ from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
 from railjoule.core.physics.energy_balance import reference_energy
-from railjoule.core.physics.mesh_data import MeshData
+from railjoule.core.physics.mesh_data import MeshData, recuperation_at
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1
 MAX_VIOLATION = 1e-8
@@ -101,13 +101,14 @@ def dual_residual(mesh: MeshData, work: Work) -> float:
     """Return by how much the gradient of the Lagrangian fails to vanish, as an energy."""
     cells, rows, z = work.cells, work.rows, work.rows.multiplier
     total = 0.0
-    price = 1.0 - mesh.recuperation_factor
     for i in range(cells.traction.shape[0]):
         total += abs(cells.traction_gradient[i] - cells.force_price[i])
         if work.used[ix.FRICTION_POSITIVE] > 0.0:
             total += abs(cells.braking_gradient[i] + cells.force_price[i])
         if work.used[ix.DRAWN] > 0.0:
-            total += abs(mesh.cell_length_m[i] * price - z[ix.DRAWN, i] - z[ix.DRAWN_POSITIVE, i])
+            total += abs(
+                mesh.cell_length_m[i] * (1.0 - recuperation_at(mesh, i)) - z[ix.DRAWN, i] - z[ix.DRAWN_POSITIVE, i]
+            )
     for i in range(work.nodes.speed2.shape[0]):
         if work.nodes.free[i] > 0.0:
             gradient = work.nodes.gradient[i] - z[ix.FLOOR, i] + z[ix.CEILING, i]

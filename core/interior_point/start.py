@@ -21,7 +21,7 @@ from railjoule.core.motion.passes import running_time as running_time_of
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.physics.energy_balance import energy_per_metre
-from railjoule.core.physics.mesh_data import MeshData, scaled_cell_at
+from railjoule.core.physics.mesh_data import MeshData, limits_at, scaled_cell_at, shared_by_cells
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
@@ -73,21 +73,20 @@ def start_speeds(
 def _use_limits(mesh: MeshData, fastest: FloatArray, work: Work) -> None:
     """Mark the constraints that a run can reach, and give each its weight."""
     h, weight = mesh.cell_length_m, work.rows.weight
-    traction, braking = mesh.traction, mesh.braking
-    kinked = may_draw_while_braking(mesh.drive_kind) and mesh.recuperation_factor < 1.0
-    kinked = kinked and not has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
+    shared, may_draw = shared_by_cells(mesh), may_draw_while_braking(mesh.drive_kind)
+    may_draw = may_draw and not has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(h.shape[0]):
         top_speed = mean_speed(math.sqrt(fastest[i]), math.sqrt(fastest[i + 1]))
         for row in (ix.TRACTION_POSITIVE, ix.TRACTION_CONSTANT, ix.BRAKING_POSITIVE, ix.BRAKING_CONSTANT):
             weight[row, i] = h[i]
-        powered = mesh.supply_share[i] >= 1.0
+        powered, (train, traction, braking, _) = mesh.supply_share[i] >= 1.0, limits_at(shared, i)
         if powered and _binds(traction, top_speed):
             weight[ix.TRACTION_OVER_SPEED, i] = h[i]
         if powered and _binds(braking, top_speed):
             weight[ix.BRAKING_OVER_SPEED, i] = h[i]
-        if kinked:
+        if may_draw and train.recuperation_factor < 1.0:
             weight[ix.DRAWN_POSITIVE, i] = weight[ix.DRAWN, i] = h[i]
-        if mesh.friction_effort_n > 0.0:
+        if train.friction_effort_n > 0.0:
             weight[ix.FRICTION_POSITIVE, i] = weight[ix.FRICTION_CONSTANT, i] = h[i]
         if mesh.max_acceleration_ms2 < np.inf:
             weight[ix.ACCELERATION, i] = h[i]
@@ -153,22 +152,25 @@ def prepare(
 def _start_cells(mesh: MeshData, scale: float, work: Work) -> None:
     """Put the efforts of the cells inside their intervals, and fill the slacks of their constraints."""
     h, w, rows, cells = mesh.cell_length_m, work.nodes.speed2, work.rows, work.cells
-    top_braking, top_friction = mesh.braking.constant_n / scale, mesh.friction_effort_n / scale
+    shared = shared_by_cells(mesh)
     inertia = mesh.half_inertia_kg / scale
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         cell = scaled_cell_at(mesh, i, scale)
+        train, traction, braking, _ = limits_at(shared, i)
+        top_traction = cell.supply_share * (traction.constant_n / scale)
+        top_braking, top_friction = cell.supply_share * (braking.constant_n / scale), train.friction_effort_n / scale
         rise = cell.inertia * (w[i + 1] - w[i])
         force = needed_force(cell, w[i], w[i + 1], v)
         over_traction, over_braking = np.inf, np.inf
         if rows.weight[ix.TRACTION_OVER_SPEED, i] > 0.0:
-            over_traction = limit_over_speed(mesh.traction, v)[0] / scale
+            over_traction = limit_over_speed(traction, v)[0] / scale
         if rows.weight[ix.BRAKING_OVER_SPEED, i] > 0.0:
-            over_braking = limit_over_speed(mesh.braking, v)[0] / scale
-        electric = min(cell.supply_share * top_braking, over_braking)
+            over_braking = limit_over_speed(braking, v)[0] / scale
+        electric = min(top_braking, over_braking)
         low = max(force, 0.0)
         # a tenth into the interval: most of an optimal run coasts or uses little effort
-        f = low + 0.1 * max(min(cell.supply_share, over_traction, electric + top_friction + force) - low, 0.0)
+        f = low + 0.1 * max(min(top_traction, over_traction, electric + top_friction + force) - low, 0.0)
         b = f - force
         x = b if top_friction <= 0.0 else 0.5 * (max(b - top_friction, 0.0) + min(b, electric))
         power = generated_power(mesh.drive_kind, mesh.drive_parameters, max(x, 0.0) * scale, v)
@@ -176,10 +178,10 @@ def _start_cells(mesh: MeshData, scale: float, work: Work) -> None:
         drawn = max(-generated, 0.0) + 1e-2 if rows.weight[ix.DRAWN, i] > 0.0 else 0.0
         cells.traction[i], cells.braking[i], cells.drawn[i] = f, x, drawn
         rows.slack[ix.TRACTION_POSITIVE, i] = f
-        rows.slack[ix.TRACTION_CONSTANT, i] = cell.supply_share - f
+        rows.slack[ix.TRACTION_CONSTANT, i] = top_traction - f
         rows.slack[ix.TRACTION_OVER_SPEED, i] = over_traction - f
         rows.slack[ix.BRAKING_POSITIVE, i] = x
-        rows.slack[ix.BRAKING_CONSTANT, i] = cell.supply_share * top_braking - x
+        rows.slack[ix.BRAKING_CONSTANT, i] = top_braking - x
         rows.slack[ix.BRAKING_OVER_SPEED, i] = over_braking - x
         rows.slack[ix.DRAWN_POSITIVE, i] = drawn
         rows.slack[ix.DRAWN, i] = drawn + generated

@@ -6,7 +6,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.layout import FAST, Work
 from railjoule.core.interior_point.newton import back_substitute
-from railjoule.core.physics.mesh_data import MeshData
+from railjoule.core.physics.mesh_data import MeshData, recuperation_at
 
 # From Mehrotra's corrector the product of the two predictor steps can exceed the target by orders where one pair is
 # nearly active; unbounded it pushes other pairs off the centre. 10 leaves the corrector as it is in ordinary
@@ -57,7 +57,7 @@ def set_right_side(mesh: MeshData, work: Work) -> None:
         speed += over * rows.by_speed[ix.BRAKING_OVER_SPEED, i]
         if used[ix.DRAWN] > 0.0:
             over = rhs[ix.DRAWN, i]
-            price = h[i] * (1.0 - mesh.recuperation_factor)
+            price = h[i] * (1.0 - recuperation_at(mesh, i))
             drawn = over + rhs[ix.DRAWN_POSITIVE, i] - price
             drawn += z[ix.DRAWN, i] + z[ix.DRAWN_POSITIVE, i]
             cells.drawn_right[i] = drawn
@@ -123,7 +123,7 @@ def expand(work: Work) -> None:
         for row, effort in ((ix.TRACTION_OVER_SPEED, df), (ix.BRAKING_OVER_SPEED, dx)):
             if rows.weight[row, i] > 0.0:
                 rows.slack_step[row, i] = rows.residual[row, i] - effort + rows.by_speed[row, i] * dv
-        if used[ix.DRAWN] > 0.0:
+        if rows.weight[ix.DRAWN, i] > 0.0:
             weight = rows.multiplier[ix.DRAWN, i] / rows.slack[ix.DRAWN, i]
             weight += rows.multiplier[ix.DRAWN_POSITIVE, i] / rows.slack[ix.DRAWN_POSITIVE, i]
             drawn = cells.drawn_right[i] / weight - cells.drawn_by_effort[i] * dx - cells.drawn_by_speed[i] * dv

@@ -31,7 +31,7 @@ from railjoule.core.motion.meshed_line import MeshedLine
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 from railjoule.core.physics.effort_limit import max_effort
 from railjoule.core.physics.mesh_data import MeshData
-from railjoule.core.physics.resistance import running_resistance
+from railjoule.core.physics.resistance import running_resistance, starting_resistance
 
 # A train that is above a curve at full brakes never comes back to it, and in steps of time it always is a little. With
 # more it brakes earlier where brakes are weak; where they are not, the deceleration asked for decides, and nothing
@@ -125,7 +125,7 @@ def _resisting_n(mesh: MeshData, number: int, speed: float) -> float:
     """Return the resistance to the train in a cell [N]."""
     a, b, c = mesh.resistance_constant_n, mesh.resistance_linear, mesh.resistance_quadratic[number]
     resisting: float = mesh.line_force_n[number] + running_resistance(a, b, c, speed, speed * speed)
-    return resisting
+    return resisting + starting_resistance(mesh.starting_n, mesh.starting_ends_ms, speed)
 
 
 @njit(cache=True)

@@ -26,7 +26,7 @@ from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exi
 from railjoule.core.motion.driving import ROUNDING, reachable_speed2
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, limits_at, part_of_cell, shared_by_cells
 
 # Share by which a square of speed may miss its limit and still be at it: more than what cuts and the fixed point of a
 # cell leave, or the regulator would change its effort again and again beside its mark.
@@ -168,7 +168,7 @@ def trip(
         Its time [s] and its line energy without auxiliaries [J], both infinite where it comes to a stand.
     """
     curve, fall = braking_curves(mesh, regulation, borders_m, limits_ms)
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     sections, w = limits_ms.shape[0], max(mesh.fixed_speed2[0], 0.0)
     size = NODES_PER_CELL * (regulation.position_m.shape[0] + sections)
     position, speed2 = np.empty(size), np.empty(size)
@@ -176,6 +176,7 @@ def trip(
     nodes, section, time, energy = 1, 0, 0.0, 0.0
     for i in range(regulation.top_speed2.shape[0]):
         whole = cell_at(mesh, i)
+        train, traction, braking, drive = limits_at(shared, i)
         place, end = regulation.position_m[i], regulation.position_m[i + 1]
         while section < sections - 1 and borders_m[section] <= place:
             section += 1
@@ -249,11 +250,12 @@ def trip_over_cells(
     node of its failure: at a stand, or faster than it may be.
     """
     curve, _ = braking_curves(mesh, regulation, borders_m, limits_ms)
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     w, time, energy, section = max(mesh.fixed_speed2[0], 0.0), 0.0, 0.0, 0
     position, speed2 = regulation.position_m, np.full(regulation.position_m.shape[0], w)
     for i in range(regulation.top_speed2.shape[0]):
         cell = cell_at(mesh, i)
+        train, traction, braking, drive = limits_at(shared, i)
         # a border that all but falls on a node was merged with it
         middle = regulation.position_m[i] + 0.5 * cell.length_m
         while section < borders_m.shape[0] and borders_m[section] <= middle:

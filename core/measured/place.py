@@ -17,7 +17,7 @@ from railjoule.core.measured.recording import Recording
 from railjoule.core.motion.line_profile import height_profile, section_borders, speed_limit_at
 from railjoule.core.physics.resistance import resistance_coefficients, total_weight_kn
 from railjoule.core.scenario import Line, Scenario, Section, Station
-from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, AnyStretch
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, STRETCHES, AnyStretch
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 # worn wheels are 3 to 4 % smaller than new ones
@@ -228,8 +228,7 @@ def part_of_line(line: Line, start_m: float, end_m: float, stops: Sequence[Stati
         update={
             "preset": None,
             "sections": tuple(_sections_between(line, start_m, end_m)),
-            "speed_limits": _stretches_between(line.speed_limits, start_m, end_m),
-            "neutral_sections": _stretches_between(line.neutral_sections, start_m, end_m),
+            **{key: _stretches_between(getattr(line, key), start_m, end_m) for key in STRETCHES},
             "stations": tuple(stops),
             "passing_points": tuple(points),
         }

@@ -15,10 +15,10 @@ from railjoule.core.measured.recording import Recording, distance_m, load_record
 from railjoule.core.measured.speed import MIN_STEP_MS, smoothed_speed
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.mesh_data import cell_at, electric_limit_n, tractive_limit_n, train_data
+from railjoule.core.physics.mesh_data import cell_at, electric_limit_n, friction_limits_n, tractive_limit_n, train_data
 from railjoule.core.scenario import Line, Scenario, Station, Timetable
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
-from railjoule.core.trajectory import MEASURED, Trajectory, make_trajectory
+from railjoule.core.trajectory import MEASURED, Trajectory, drive_by_place, make_trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
 
 NEAR_STATION_M = 60.0
@@ -281,7 +281,7 @@ def _beyond(mesh: MeshedLine, speed2: FloatArray) -> list[str]:
     force, speed = mesh.net_force_n(speed2), np.sqrt(speed2)
     mean = 0.5 * (speed[1:] + speed[:-1])
     over = force - tractive_limit_n(mesh.data, mean)
-    under = -force - electric_limit_n(mesh.data, mean) - mesh.data.friction_effort_n
+    under = -force - electric_limit_n(mesh.data, mean) - friction_limits_n(mesh.data)
     sentences = []
     for excess, what in ((over, "tractive effort"), (under, "braking effort")):
         worst = int(np.argmax(excess))
@@ -306,12 +306,14 @@ def _with_measured(modelled: Trajectory, recording: Recording, mesh: MeshedLine)
     mean_speed = 0.5 * (modelled.speed_ms[1:] + modelled.speed_ms[:-1])
     effort = np.where(mean_speed > 0, effort, 0.0)
     driven, braked = np.maximum(effort, 0.0), np.maximum(-effort, 0.0)
-    electric = np.minimum(braked, modelled.max_braking_n - mesh.data.friction_effort_n)
+    friction_limit = np.insert(friction_limits_n(mesh.data), np.flatnonzero(mesh.dwell_s > 0), 0.0)
+    electric = np.minimum(braked, modelled.max_braking_n - friction_limit)
     # a recorder of a brake beside the effort leaves open how strong it was: the model fills it in
     unmeasured = 0.0 if recording.brake_applied is None else modelled.friction_braking_n
     friction = np.maximum(braked - electric, unmeasured)
     auxiliary = mesh.data.auxiliary_power_w
-    by_model = mesh.drive.supply_power_w(driven - electric, np.maximum(mean_speed, 1e-9)) * (mean_speed > 0) + auxiliary
+    by_drive = drive_by_place(mesh, True).supply_power_w(driven - electric, np.maximum(mean_speed, 1e-9))
+    by_model = by_drive * (mean_speed > 0) + auxiliary
     line_power = np.where(np.isnan(power), by_model, power)
     duration = np.diff(modelled.time_s)
     return replace(
@@ -355,7 +357,7 @@ def _measured_energy(
     moving = mean_speed > 0
     losses = {
         kind: float(np.where(moving, power, 0.0) @ duration)
-        for kind, power in mesh.drive.losses_w(driven - electric, np.maximum(mean_speed, 1e-9)).items()
+        for kind, power in drive_by_place(mesh, True).losses_w(driven - electric, np.maximum(mean_speed, 1e-9)).items()
     }
     losses["friction_brakes"] = float(friction @ np.diff(modelled.position_m))
     traction = float(np.maximum(supply_power_w, 0.0) @ duration)

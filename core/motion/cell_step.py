@@ -7,7 +7,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell, mean_speed, reached_speed2
 from railjoule.core.physics.effort_limit import EffortLimit, supplied_effort
 from railjoule.core.physics.energy_balance import cell_balance
-from railjoule.core.physics.mesh_data import Train
+from railjoule.core.physics.mesh_data import Train, can_start
 
 FULL_TRACTION, COAST, FULL_BRAKE = range(3)
 # A step of the fixed point shrinks its error by what effort and resistance change over what the change of speed takes.
@@ -16,6 +16,8 @@ STEPS = 40
 EXACT = 1e-13
 # of the largest tractive effort: above what the fixed point and the solver's 1e-8 leave, too little to save any energy
 ALLOWED_EXCESS = 1e-7
+CANNOT_START = -1.0
+"""Square of speed that stands for a train that full traction does not start [m2/s2]."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -27,6 +29,8 @@ def exit_speed2(
     Full traction and full braking keep the limits of acceleration and deceleration. The effort depends on the mean
     speed of the cell, hence on the result: a fixed point that is found in a few steps.
     """
+    if control == FULL_TRACTION and entering_speed2 <= 0.0 and not can_start(cell, traction):
+        return CANNOT_START
     entry = math.sqrt(entering_speed2)
     leaving_speed2, last_change = entering_speed2, 0.0
     for _ in range(STEPS):
@@ -37,7 +41,7 @@ def exit_speed2(
         elif control == FULL_BRAKE:
             force = -(supplied_effort(braking, cell.supply_share, v) + train.friction_effort_n)
         before = leaving_speed2
-        leaving_speed2 = reached_speed2(cell, entering_speed2, v, force)
+        leaving_speed2 = reached_speed2(cell, entering_speed2, leaving_speed2, v, force)
         change = leaving_speed2 - before
         if change * last_change < 0.0 and abs(change) > 0.5 * abs(last_change):
             # in long cells an effort that falls fast with speed throws the result to and fro

@@ -15,7 +15,7 @@ from railjoule.core.motion.meshed_line import FREE, MeshedLine
 from railjoule.core.motion.passes import max_speeds
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, limits_at, shared_by_cells
 
 STANDING_SPEED2 = 1e-9
 """Square of a speed that counts as standing, 0.03 mm/s: rounding of the last braking cell [m2/s2]."""
@@ -117,11 +117,12 @@ def _drive(
 ) -> tuple[FloatArray, int]:
     """Return squares of speed and the node of a stand; arguments as in `drive`."""
     n = mesh.cell_length_m.shape[0]
-    train, traction, braking, _ = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     speed2 = np.zeros(n + 1)
     speed2[0] = entering_speed2
     for i in range(n):
         cell, before, wanted2 = cell_at(mesh, i), speed2[i], wanted_speed2[i + 1]
+        train, traction, braking, _ = limits_at(shared, i)
         if response_m > 0.0 and i < n - 1:
             answered2 = wanted2 + (before - wanted_speed2[i]) * math.exp(-cell.length_m / response_m)
             # a deviation can exceed the last metres per second of a plan

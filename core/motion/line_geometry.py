@@ -13,7 +13,13 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array, midpoints
 from railjoule.core.budget import LIBRARY
-from railjoule.core.motion.line_profile import is_neutral, section_borders, speed_limit_at
+from railjoule.core.motion.line_profile import (
+    LimitsByPlace,
+    is_neutral,
+    limits_by_place,
+    section_borders,
+    speed_limit_at,
+)
 from railjoule.core.motion.mesh import SHORTEST_CELL_M, line_mesh, require_budget, with_nodes_at
 from railjoule.core.scenario import Line, Section
 from railjoule.core.units import MS_PER_KMH
@@ -86,6 +92,8 @@ class LineGeometry:
         The same within each cell [m/s].
     neutral : array of shape (n,)
         Whether the cell lies in a neutral section.
+    limits_by_place : LimitsByPlace
+        Limits of traction, recuperation and adhesion in the cells.
     stop_nodes : tuple of int
         Nodes of the stations between the ends.
     passing_ms : tuple of (int, float)
@@ -101,6 +109,7 @@ class LineGeometry:
     speed_limit_ms: FloatArray
     cell_limit_ms: FloatArray
     neutral: BoolArray
+    limits_by_place: LimitsByPlace
     stop_nodes: tuple[int, ...]
     passing_ms: tuple[tuple[int, float], ...]
     dwell_s: FloatArray
@@ -168,6 +177,7 @@ def geometry_at(line: Line, position_m: FloatArray, train: TrainExtent = POINT) 
         speed_limit_ms=frozen_array(np.minimum(np.append(limits[0], limits), np.append(limits, limits[-1]))),
         cell_limit_ms=frozen_array(limits),
         neutral=is_neutral(line, middle),
+        limits_by_place=limits_by_place(line, middle),
         stop_nodes=tuple(stops),
         passing_ms=tuple(
             (int(np.argmin(np.abs(position_m - point.position_m))), point.speed_kmh * MS_PER_KMH) for point in passing

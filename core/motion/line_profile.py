@@ -1,9 +1,18 @@
-"""A line as it lies on the ground, before any train or mesh: heights, limits, neutral sections over distance."""
+"""A line as it lies on the ground, before any train or mesh: heights, limits and supply over distance."""
+
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, midpoints
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray, midpoints
+from railjoule.core.physics.place_limits import NO_PLACE, PlaceLimits
 from railjoule.core.scenario import Line
+from railjoule.core.scenario.line import RailCondition
+from railjoule.core.units import N_PER_KN, W_PER_KW
+
+CONDITIONS: tuple[RailCondition | None, ...] = (None, "dry", "wet")
+"""Rail conditions, from no limit by adhesion to the lowest one."""
 
 
 def section_borders(line: Line) -> FloatArray:
@@ -72,20 +81,77 @@ def is_neutral(line: Line, position_m: FloatArray) -> BoolArray:
     return neutral
 
 
+def place_borders(line: Line) -> FloatArray:
+    """Return the ends of traction limits and of rail conditions of a line in running order [m]; shape (k,)."""
+    return np.array([end for one in (*line.traction_limits, *line.rail_conditions) for end in (one.from_m, one.to_m)])
+
+
+class LimitsByPlace(NamedTuple):
+    """The limits of traction, recuperation and adhesion along a line.
+
+    Parameters
+    ----------
+    number : array of shape (k,)
+        Which of `others` hold at each place; NO_PLACE where those of `least` do.
+    least : PlaceLimits
+        The limits where the line restricts nothing, on the best of its rails.
+    others : tuple of PlaceLimits
+        All others that the line has, in running order.
+    """
+
+    number: IntArray
+    least: PlaceLimits
+    others: tuple[PlaceLimits, ...]
+
+
+def limits_by_place(line: Line, position_m: FloatArray) -> LimitsByPlace:
+    """Return the limits at places of a line in running order [m], none of them on a border."""
+    least = PlaceLimits(rail_condition=min(line.all_rail_conditions, key=CONDITIONS.index))
+    # between neighbouring borders the limits are the same
+    borders = np.unique([0.0, *place_borders(line), line.length_m])
+    between = [_limits_at(line, place) for place in midpoints(borders).tolist()]
+    others = tuple(limits for limits in dict.fromkeys(between) if limits != least)
+    of_gap = np.array([others.index(limits) if limits != least else NO_PLACE for limits in between])
+    gap = np.clip(np.searchsorted(borders, position_m) - 1, 0, len(between) - 1)
+    return LimitsByPlace(of_gap[gap], least, others)
+
+
+def largest_current_a(line: Line, position_m: FloatArray) -> FloatArray:
+    """Return the largest current of the supply while driving at places of a line in running order [A]; shape (k,)."""
+    number, least, others = limits_by_place(line, position_m)
+    return np.array([limits.max_current_a for limits in (*others, least)])[number]
+
+
+def _limits_at(line: Line, place_m: float) -> PlaceLimits:
+    """Return the limits at a place of a line in running order [m]."""
+    limits = [one for one in line.traction_limits if one.from_m < place_m < one.to_m]
+    conditions = [one.condition for one in line.rail_conditions if one.from_m < place_m < one.to_m]
+
+    def least(key: str, unit: float) -> float:
+        return min((unit * value for one in limits if (value := getattr(one, key)) is not None), default=np.inf)
+
+    return PlaceLimits(
+        least("max_effort_kn", N_PER_KN),
+        least("max_power_kw", W_PER_KW),
+        least("max_current_a", 1.0),
+        min((one.effort_factor for one in limits), default=1.0),
+        min((one.recuperation_factor for one in limits), default=1.0),
+        max(conditions, key=CONDITIONS.index) if conditions else line.rail_condition,
+    )
+
+
 def _stretches(line: Line, lasts_m: float) -> FloatArray:
     """Return from and to [m] and limit [km/h] of all limits that the sections do not tell; shape (k, 3)."""
-    rows = [(limit.from_m, limit.to_m + lasts_m, limit.limit_kmh) for limit in line.speed_limits]
-    if lasts_m > 0:
-        # the part of a section's limit that is left for the cars behind, beyond the end of the section
-        ends = section_borders(line)[1:]
-        rows += [
-            (float(end), float(end) + lasts_m, section.speed_limit_kmh)
-            for end, section in zip(ends, line.sections, strict=True)
-            if section.speed_limit_kmh is not None
-        ]
+    early_m = line.limit_margin_m
+    rows = [(limit.from_m - early_m, limit.to_m + lasts_m, limit.limit_kmh) for limit in line.speed_limits]
+    if lasts_m > 0 or early_m > 0:
+        # the parts of a section's limit before its begin, and for the cars behind beyond its end
+        borders = section_borders(line).tolist()
+        limited = zip(pairwise(borders), (section.speed_limit_kmh for section in line.sections), strict=True)
+        rows += [(start - early_m, end + lasts_m, limit) for (start, end), limit in limited if limit is not None]
     stretches = np.array(rows).reshape(-1, 3)
-    # nothing holds beyond the end of the line
-    stretches[:, 1] = np.minimum(stretches[:, 1], line.length_m)
+    # nothing holds before the line or beyond its end
+    stretches[:, :2] = np.clip(stretches[:, :2], 0.0, line.length_m)
     return stretches[stretches[:, 0] < stretches[:, 1]]
 
 

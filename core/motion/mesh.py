@@ -7,7 +7,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import LIBRARY, current_budget, rounded_up
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion.line_profile import limit_borders, neutral_stretches, section_borders
+from railjoule.core.motion.line_profile import limit_borders, neutral_stretches, place_borders, section_borders
 from railjoule.core.scenario.line import Line
 
 # borders closer than a micrometre are one: lengths of sections add up with rounding, and a cell's inertia is over its
@@ -35,6 +35,7 @@ def line_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
     """
     sections = section_borders(line)
     places = [*sections, *limit_borders(line, lasts_m), *neutral_stretches(line).ravel()]
+    places += place_borders(line).tolist()
     places += [station.position_m for station in line.inner_stations]
     places += [point.position_m for point in line.passing_points]
     borders = np.unique(np.clip(places, 0.0, sections[-1]))

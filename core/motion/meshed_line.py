@@ -10,16 +10,19 @@ from railjoule.core.budget import current_budget
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_geometry import LineGeometry, TrainExtent, geometry_at, meshed_geometry
+from railjoule.core.motion.line_profile import limits_by_place
 from railjoule.core.motion.permitted_speed import curve_steps, permitted_speed2
-from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
+from railjoule.core.physics.adhesion import adhesion_coefficient, adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.effort_limit import EffortLimit
 from railjoule.core.physics.mesh_data import MeshData, all_cells, data_between
+from railjoule.core.physics.place_limits import NO_TABLES, Efforts, PlaceLimits, PlaceTables, place_tables
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
+    mean_starting_resistance,
     resistance_coefficients,
     running_resistance,
+    starting_terms,
 )
 from railjoule.core.physics.vehicle_limit import effort_limit
 from railjoule.core.scenario import Scenario
@@ -106,13 +109,15 @@ class MeshedLine:
         """Return the running resistance [N] of each cell for squares of speed at the nodes; shape (n,)."""
         # at the means that `needed_force` takes, or the account of the energy would not close
         data, speed = self.data, np.sqrt(speed2)
-        return running_resistance(
+        running = running_resistance(
             data.resistance_constant_n,
             data.resistance_linear,
             data.resistance_quadratic,
             midpoints(speed),
             midpoints(speed2),
         )
+        starting = mean_starting_resistance(data.starting_n, data.starting_ends_ms, speed2[:-1], speed2[1:])
+        return running + starting
 
     def net_force_n(self, speed2: FloatArray) -> FloatArray:
         """Return the force at the wheels [N] that brings each cell from one node's square of speed to the next's."""
@@ -142,14 +147,16 @@ class MeshedLineParts(NamedTuple):
         The line over its mesh, as the train meets it.
     drive : Drive
         The vehicle's loss model.
-    traction, braking : EffortLimit
-        Limits of vehicle and drive together.
+    efforts : Efforts
+        Limits of vehicle and drive together, where the line lowers none.
+    places : PlaceTables
+        Limits of the line's other places.
     """
 
     line: LineGeometry
     drive: Drive
-    traction: EffortLimit
-    braking: EffortLimit
+    efforts: Efforts
+    places: PlaceTables
 
 
 def build_meshed_line(
@@ -177,7 +184,7 @@ def build_meshed_line(
     """
     line, drive = build_line(scenario, position_m), build_drive(scenario)
     return assemble_meshed_line(
-        scenario, MeshedLineParts(line, drive, *build_limits(scenario, drive)), initial_speed_ms, final_speed_ms
+        scenario, MeshedLineParts(line, drive, *build_limits(scenario, line, drive)), initial_speed_ms, final_speed_ms
     )
 
 
@@ -204,19 +211,53 @@ def build_drive(scenario: Scenario) -> Drive:
     return drive
 
 
-def build_limits(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimit]:
-    """Return the limits of tractive and of electric braking effort of a scenario with its drive.
+def build_limits(scenario: Scenario, line: LineGeometry, drive: Drive) -> tuple[Efforts, PlaceTables]:
+    """Return the efforts of a scenario with its drive where the line lowers none, and at its other places.
 
     Raises
     ------
     ScenarioError
         If a limit of effort is missing.
     """
-    driven_n = adhesive_weight(scenario).driven_n
-    pulling = effort_limit(scenario.vehicle, drive, driven_n=driven_n)
-    electric = effort_limit(scenario.vehicle, drive, braking=True, driven_n=driven_n)
+    _, least, others = line.limits_by_place
+    own = _efforts(scenario, drive, least)
+    if not others:
+        return own, NO_TABLES
+    found = [_efforts(scenario, drive, place) for place in others]
+    limits = [one.traction for one in found], [one.braking for one in found]
+    # compiled code takes tables of one shape: where one limit has one, all get theirs
+    traction, braking = (any(len(limit.table) for limit in side) for side in limits)
+    if traction or braking:
+        found = [_efforts(scenario, drive, place, traction, braking) for place in others]
+    return own, place_tables(found)
+
+
+def _efforts(
+    scenario: Scenario, drive: Drive, place: PlaceLimits, traction: bool = False, braking: bool = False
+) -> Efforts:
+    """Return the efforts of a train at a kind of place; flags tell which limits get a table."""
+    vehicle, condition = scenario.vehicle, place.rail_condition
+    driven_n = adhesive_weight(scenario, condition).driven_n
+    pulling = effort_limit(vehicle, drive, False, driven_n, place, traction)
+    electric = effort_limit(vehicle, drive, True, driven_n, place, braking)
     min_braking = MISSING_BRAKE_SHARE * pulling.constant_n
-    return pulling, electric._replace(constant_n=max(electric.constant_n, min_braking))
+    electric = electric._replace(constant_n=max(electric.constant_n, min_braking))
+    friction_n = friction_limit_n(scenario, electric, condition)
+    if vehicle.braking.friction_effort_kn > 0 and condition is not None:
+        friction_n = max(friction_n, min_braking)
+    return Efforts(pulling, electric, friction_n, min(drive.recuperation_factor, place.recuperation_factor))
+
+
+def driven_adhesion_n(scenario: Scenario, position_m: FloatArray, speed_ms: FloatArray) -> FloatArray | None:
+    """Return the largest force of the driven axles [N] at places [m] and speeds [m/s]; None where nothing limits it.
+
+    It is infinite where adhesion sets no limit.
+    """
+    number, least, others = limits_by_place(scenario.line.in_running_order(), position_m)
+    driven_n = [adhesive_weight(scenario, place.rail_condition).driven_n for place in (*others, least)]
+    if np.isinf(driven_n).all():
+        return None
+    return np.array(driven_n)[number] * adhesion_coefficient(speed_ms)
 
 
 def assemble_meshed_line(
@@ -274,6 +315,8 @@ def _require_few_rows(scenario: Scenario) -> None:
         ("line.sections", scenario.line.sections),
         ("line.speed_limits", scenario.line.speed_limits),
         ("line.neutral_sections", scenario.line.neutral_sections),
+        ("line.traction_limits", scenario.line.traction_limits),
+        ("line.rail_conditions", scenario.line.rail_conditions),
         ("drive.points", getattr(scenario.vehicle.drive, "points", ())),
     ):
         if len(rows) > budget.row_count:
@@ -285,7 +328,7 @@ def _mesh_data(
 ) -> MeshData:
     vehicle, line, drive = scenario.vehicle, parts.line, parts.drive
     constant, linear, quadratic = resistance_coefficients(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
-    traction, braking = vehicle.traction, vehicle.braking
+    traction, braking, starting = vehicle.traction, vehicle.braking, starting_terms(vehicle)
     cell_length = np.diff(line.position_m)
     limit2 = np.minimum(line.speed_limit_ms, traction.max_speed_kmh * MS_PER_KMH) ** 2
     return MeshData(
@@ -298,9 +341,11 @@ def _mesh_data(
         resistance_linear=linear,
         # tunnels hold up the air, not the bearings
         resistance_quadratic=quadratic * line.tunnel_factor,
-        traction=parts.traction,
-        braking=parts.braking,
-        friction_effort_n=friction_limit_n(scenario, parts.braking),
+        starting_n=starting[0],
+        starting_ends_ms=starting[1],
+        traction=parts.efforts.traction,
+        braking=parts.efforts.braking,
+        friction_effort_n=parts.efforts.friction_n,
         # infinite, not None: compiled code compares numbers
         max_acceleration_ms2=traction.max_acceleration_ms2 or np.inf,
         max_deceleration_ms2=braking.max_deceleration_ms2 or np.inf,
@@ -309,4 +354,6 @@ def _mesh_data(
         drive_parameters=drive.parameters,
         recuperation_factor=drive.recuperation_factor,
         supply_share=np.where(line.neutral, NEUTRAL_SHARE, 1.0),
+        place=line.limits_by_place.number,
+        places=parts.places,
     )

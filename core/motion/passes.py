@@ -24,8 +24,8 @@ from railjoule.core.physics.cell import (
     mean_speed_slope,
     needed_force,
 )
-from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, max_effort_slope, supplied_limit
-from railjoule.core.physics.mesh_data import MeshData, cell_at
+from railjoule.core.physics.effort_limit import EffortLimit, max_effort_slope, supplied_limit
+from railjoule.core.physics.mesh_data import MeshData, can_start, cell_at, limits_at, shared_by_cells
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
@@ -50,9 +50,9 @@ def _excess(
     # infinite at rest, where the force rises with the speed squared all the same
     v_slope = mean_speed_slope(root) if root > 0.0 else 0.0
     if sign > 0.0:
-        value, slope = needed_force(cell, known, x, v), force_slopes(cell, 0.0, v_slope)[1]
+        value, slope = needed_force(cell, known, x, v), force_slopes(cell, known, x, 0.0, v_slope)[1]
     else:
-        value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, v_slope, 0.0)[0]
+        value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, x, known, v_slope, 0.0)[0]
     effort, effort_slope = max_effort_slope(limit, v)
     return value - effort, slope - effort_slope * v_slope
 
@@ -111,10 +111,10 @@ def _max_steady(limit: EffortLimit, friction: float, cell: Cell, bound: float, c
 @njit(cache=True)
 def _take_off_unsteady(mesh: MeshData, speed2: FloatArray) -> None:
     """Lower `speed2` to where full effort keeps the deceleration, and full braking the acceleration, within limits."""
-    traction, braking = borrowed_limit(mesh.traction), borrowed_limit(mesh.braking)
-    friction = mesh.friction_effort_n
+    shared = shared_by_cells(mesh)
     for i in range(mesh.cell_length_m.shape[0]):
         cell = cell_at(mesh, i)
+        train, traction, braking, _ = limits_at(shared, i)
         if mesh.max_deceleration_ms2 < np.inf:
             change, limit = (
                 2.0 * mesh.max_deceleration_ms2 * cell.length_m,
@@ -126,7 +126,7 @@ def _take_off_unsteady(mesh: MeshData, speed2: FloatArray) -> None:
                 2.0 * mesh.max_acceleration_ms2 * cell.length_m,
                 supplied_limit(braking, cell.supply_share),
             )
-            speed2[i + 1] = _max_steady(limit, friction, cell, speed2[i + 1], change, -1.0)
+            speed2[i + 1] = _max_steady(limit, train.friction_effort_n, cell, speed2[i + 1], change, -1.0)
 
 
 @njit(cache=True)
@@ -135,15 +135,17 @@ def _pass_cells(mesh: MeshData, speed2: FloatArray, is_braking: bool) -> int:
 
     Return the cell that cannot be passed, or MOVED. Backwards the known end of a cell is the one that the train leaves.
     """
-    limit, friction, sign = borrowed_limit(mesh.traction), 0.0, 1.0
-    max_change, n = 2.0 * mesh.max_acceleration_ms2, mesh.cell_length_m.shape[0]
-    if is_braking:
-        limit, friction, sign = borrowed_limit(mesh.braking), mesh.friction_effort_n, -1.0
-        max_change = 2.0 * mesh.max_deceleration_ms2
+    shared, sign = shared_by_cells(mesh), -1.0 if is_braking else 1.0
+    max_change = 2.0 * (mesh.max_deceleration_ms2 if is_braking else mesh.max_acceleration_ms2)
+    n = mesh.cell_length_m.shape[0]
     for number in range(n):
         i = n - 1 - number if is_braking else number
         known, other = (i + 1, i) if is_braking else (i, i + 1)
         cell = cell_at(mesh, i)
+        train, traction, braking, _ = limits_at(shared, i)
+        limit, friction = (braking, train.friction_effort_n) if is_braking else (traction, 0.0)
+        if not is_braking and speed2[known] <= 0.0 and not can_start(cell, limit):
+            return i
         # v^2 changes by 2 a h over a cell
         bound = min(speed2[other], speed2[known] + max_change * cell.length_m)
         supplied = supplied_limit(limit, cell.supply_share)
@@ -161,9 +163,9 @@ def entering_speed2_under_brakes(mesh: MeshData, number: int, leaving_speed2: fl
 
     Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
     """
-    cell, friction = cell_at(mesh, number), mesh.friction_effort_n
-    braking = supplied_limit(mesh.braking, cell.supply_share)
-    return _max_reachable(braking, friction, cell, leaving_speed2, limit_speed2, -1.0)
+    cell, (train, _, braking, _) = cell_at(mesh, number), limits_at(shared_by_cells(mesh), number)
+    supplied = supplied_limit(braking, cell.supply_share)
+    return _max_reachable(supplied, train.friction_effort_n, cell, leaving_speed2, limit_speed2, -1.0)
 
 
 @njit(cache=True, nogil=True)

@@ -10,16 +10,21 @@ where the deceleration falls with rising speed. If it rises from a to b, v^2 is 
 a cell of length h, from there backwards up to where a limit is lower: an error on the safe side, of the order of h.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
-from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH
+
+if TYPE_CHECKING:
+    # at run time, each change of the input models would compile the kernels again
+    from railjoule.core.scenario import Vehicle
 
 
 def permitted_speed2(
-    vehicle: Vehicle, cell_length_m: FloatArray, limit_speed2: FloatArray, fixed_speed2: FloatArray
+    vehicle: "Vehicle", cell_length_m: FloatArray, limit_speed2: FloatArray, fixed_speed2: FloatArray
 ) -> FloatArray:
     """Return the largest squares of speed at the nodes under limits and, where the vehicle has one, a braking curve.
 
@@ -44,7 +49,7 @@ def permitted_speed2(
     return _under_curve(cell_length_m, limit_speed2, fixed_speed2, steps) if steps.size else limit_speed2
 
 
-def curve_steps(vehicle: Vehicle) -> FloatArray:
+def curve_steps(vehicle: "Vehicle") -> FloatArray:
     """Return the squares of speed at which the steps of a braking curve begin [m2/s2], and decelerations [m/s2].
 
     Shape (2, k), without columns for a vehicle without a braking curve.

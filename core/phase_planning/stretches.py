@@ -158,7 +158,7 @@ def _drive_stretch(
     """
     _fill_target(line, stretch, speeds_ms[CRUISE, stretch], speeds_ms[COAST_END, stretch], target2)
     mesh = line.mesh
-    train, traction, braking, drive = shared_by_cells(mesh)
+    train, traction, braking, drive = shared_by_cells(mesh).own
     negligible_n = negligible_effort(train.drive_kind, drive)
     # the train does not brake below its cruise
     braking2 = max(speeds_ms[BRAKING, stretch], speeds_ms[CRUISE, stretch]) ** 2

@@ -16,6 +16,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.physics.effort_limit import SLOWEST_MS, EffortLimit
 from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.line import RailCondition
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
 
 COMPARED_STEP_MS = 0.01
@@ -35,9 +36,9 @@ class AdhesiveWeight(NamedTuple):
     braked_n: float = np.inf
 
 
-def adhesive_weight(scenario: Scenario) -> AdhesiveWeight:
-    """Return the adhesive weights of a scenario's train with its load on its rails."""
-    condition, adhesion = scenario.line.rail_condition, scenario.vehicle.adhesion
+def adhesive_weight(scenario: Scenario, condition: RailCondition | None) -> AdhesiveWeight:
+    """Return the adhesive weights of a scenario's train with its load on rails of a condition."""
+    adhesion = scenario.vehicle.adhesion
     if condition is None or adhesion.driven_mass_share is None:
         return AdhesiveWeight()
     weight_n = scenario.vehicle.total_mass_kg * STANDARD_GRAVITY_MS2
@@ -52,12 +53,7 @@ def adhesion_coefficient(speed_ms: FloatArray | float) -> FloatArray:
     return coefficient
 
 
-def driven_adhesion_n(scenario: Scenario, speed_ms: FloatArray) -> FloatArray:
-    """Return the largest force of the driven axles [N] at speeds [m/s]; infinite where adhesion sets no limit."""
-    return adhesive_weight(scenario).driven_n * adhesion_coefficient(speed_ms)
-
-
-def friction_limit_n(scenario: Scenario, electric: EffortLimit) -> float:
+def friction_limit_n(scenario: Scenario, electric: EffortLimit, condition: RailCondition | None) -> float:
     """Return the largest effort of the friction brakes [N] beside the full electric brake, the same at all speeds.
 
     The electric brake comes first. The friction brakes have their own limit, or where that is less, the least that the
@@ -68,8 +64,11 @@ def friction_limit_n(scenario: Scenario, electric: EffortLimit) -> float:
     scenario : Scenario
     electric : EffortLimit
         Of the electric brake, within the adhesion of the driven axles.
+    condition : str or None
+        Condition of the rails.
     """
-    own_n, braked_n = scenario.vehicle.braking.friction_effort_kn * N_PER_KN, adhesive_weight(scenario).braked_n
+    own_n = scenario.vehicle.braking.friction_effort_kn * N_PER_KN
+    braked_n = adhesive_weight(scenario, condition).braked_n
     if own_n == 0 or np.isinf(braked_n):
         return own_n
     top_ms = scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH

@@ -30,8 +30,8 @@ from railjoule.core.physics.effort_limit import (
     limit_over_speed,
     max_effort,
 )
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, shared_by_cells
-from railjoule.core.physics.resistance import running_resistance
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, limits_at, shared_by_cells
+from railjoule.core.physics.resistance import running_resistance, starting_resistance
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
 ALLOWED_SHARE = 1e-3
@@ -70,6 +70,15 @@ def _corner_speed(limit: EffortLimit, slow: float, fast: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def _resistance(cell: Cell, speed: float) -> float:
+    """Return the resistance at a speed [m/s] within a cell [N]."""
+    resistance = running_resistance(cell.constant_n, cell.linear, cell.quadratic, speed, speed * speed)
+    if cell.starting_n > 0.0:
+        resistance += starting_resistance(cell.starting_n, cell.starting_ends_ms, speed)
+    return resistance
+
+
+@njit(cache=True, error_model="numpy")
 def _place_points(cell: Cell, start: float, corner: float, end: float, points: FloatArray) -> None:
     """Fill the points of a cell between two speeds [m/s], for a control that is a constant effort."""
     for i in range(2 * HALF):
@@ -78,7 +87,7 @@ def _place_points(cell: Cell, start: float, corner: float, end: float, points: F
         v = mean_speed(low, high) + half * ABSCISSAE[at]
         points[SPEED, i], points[WEIGHT, i] = v, half * WEIGHTS[at]
         points[FORCE, i] = 1.0
-        points[RESISTANCE, i] = running_resistance(cell.constant_n, cell.linear, cell.quadratic, v, v * v)
+        points[RESISTANCE, i] = _resistance(cell, v)
 
 
 @njit(cache=True, error_model="numpy")
@@ -161,6 +170,9 @@ def _control_cell(
     if is_uniform:
         effort = needed_force(cell, start_speed2, end_speed2, v)
     else:
+        # the resistance has a corner where that of the start ends
+        has_corner = cell.starting_n > 0.0 and min(start, end) < cell.starting_ends_ms < max(start, end)
+        v = cell.starting_ends_ms if has_corner else v
         _place_points(cell, start, v, end, points)
         effort = _find_control(points, cell.inertia * (end_speed2 - start_speed2))
     limit, beside, sign = _limits_beside(train, traction, braking, effort)
@@ -224,7 +236,7 @@ def _integrate_cell(
         for i in range(HALF):
             v = low + half * (2.0 * number + 1.0 + ABSCISSAE[i])
             force = effort if share == 0.0 else sign * share * (max_effort(limit, v) + beside)
-            resistance = running_resistance(cell.constant_n, cell.linear, cell.quadratic, v, v * v)
+            resistance = _resistance(cell, v)
             # m = 2 k h
             passed = 2.0 * cell.inertia * cell.length_m * half * WEIGHTS[i] / (force - resistance)
             time += passed
@@ -237,9 +249,10 @@ def _follow_run(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     """Return effort, share, excess, time and energy of all cells, of shape (5, n)."""
     n = mesh.cell_length_m.shape[0]
     rows, points = np.empty((5, n)), np.empty((4, 2 * HALF))
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     for i in range(n):
         cell, start, end = cell_at(mesh, i), speed2[i], speed2[i + 1]
+        train, traction, braking, drive = limits_at(shared, i)
         effort, share, excess, corner = _control_cell(cell, train, traction, braking, start, end, points)
         time, energy = _integrate_cell(cell, train, traction, braking, drive, start, end, effort, share, corner)
         rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i] = effort, share, excess, time, energy
@@ -262,11 +275,12 @@ def slow_to_possible(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     """
     n = mesh.cell_length_m.shape[0]
     lowered, points = speed2.copy(), np.empty((4, 2 * HALF))
-    train, traction, braking, _ = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     for number in range(2 * n):
         is_braking = number >= n
         i = 2 * n - 1 - number if is_braking else number
         node, cell = i if is_braking else i + 1, cell_at(mesh, i)
+        train, traction, braking, _ = limits_at(shared, i)
         for _ in range(MAX_STEPS):
             start, end = lowered[i], lowered[i + 1]
             effort, _, excess, _ = _control_cell(cell, train, traction, braking, start, end, points)

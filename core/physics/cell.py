@@ -8,14 +8,14 @@ over the length, k = m / (2 h):
     force at the wheels     F = k (w1 - w0) + R(v, (w0 + w1) / 2) + line
                             dF/dw0 = -k + C / 2 + B dv/dw0        dF/dw1 = k + C / 2 + B dv/dw1
 
-with the running resistance R of `resistance`. A cell may be scaled: where its force is to come out in shares of an
-effort, its inertia and its coefficients are divided by that.
+with the running resistance R of `resistance`, and the mean of its starting resistance where there is one. A cell may be
+scaled: where its force is to come out in shares of an effort, its inertia and its coefficients are divided by that.
 """
 
 from typing import NamedTuple
 
 from railjoule.core.compiled import Numbers, Value, formula
-from railjoule.core.physics.resistance import running_resistance
+from railjoule.core.physics.resistance import mean_starting_resistance, mean_starting_slopes, running_resistance
 
 NEARLY_AT_REST_MS = 1e-9
 """Stands for rest in the mean speed of a cell, where the effort of a limit of power would be infinite."""
@@ -41,6 +41,8 @@ class Cell(NamedTuple):
     supply_share : float or array
         Share of the drive's largest efforts that the supply allows: 1, or next to nothing in a neutral section, as an
         interior-point method needs a strictly feasible start.
+    starting_n, starting_ends_ms : float
+        Starting resistance at rest [N], 0 where there is none, and the speed at which it ends [m/s].
     """
 
     length_m: Numbers
@@ -49,6 +51,8 @@ class Cell(NamedTuple):
     linear: Numbers
     quadratic: Numbers
     supply_share: Numbers
+    starting_n: Numbers = 0.0
+    starting_ends_ms: Numbers = 1.0
 
 
 @formula
@@ -85,28 +89,40 @@ def needed_force(cell: Cell, start_speed2: Value, end_speed2: Value, mean_speed:
     mean_speed2 = 0.5 * (start_speed2 + end_speed2)
     resistance = running_resistance(cell.constant_n, cell.linear, cell.quadratic, mean_speed, mean_speed2)
     force: Value = cell.inertia * (end_speed2 - start_speed2) + resistance
+    if cell.starting_n > 0.0:
+        force = force + mean_starting_resistance(cell.starting_n, cell.starting_ends_ms, start_speed2, end_speed2)
     return force
 
 
 @formula
-def force_slopes(cell: Cell, start_slope: float, end_slope: float) -> tuple[float, float]:
+def force_slopes(
+    cell: Cell, start_speed2: float, end_speed2: float, start_slope: float, end_slope: float
+) -> tuple[float, float]:
     """Return the derivatives of `needed_force` by the squares of speed at start and end [N s2/m2].
 
     `start_slope` and `end_slope` are those of the mean speed [s/m], zero where an end is prescribed.
     """
     # C acts on the mean of both squares of speed, so each end has half of it; B on the mean speed, by its slope
     half = 0.5 * cell.quadratic
-    return cell.linear * start_slope - (cell.inertia - half), cell.linear * end_slope + (cell.inertia + half)
+    by_start, by_end = cell.linear * start_slope - (cell.inertia - half), cell.linear * end_slope + cell.inertia + half
+    if cell.starting_n > 0.0:
+        more = mean_starting_slopes(cell.starting_n, cell.starting_ends_ms, start_speed2, end_speed2)
+        by_start, by_end = by_start + more[0], by_end + more[1]
+    return by_start, by_end
 
 
 @formula
-def reached_speed2(cell: Cell, start_speed2: float, mean_speed: float, force: float) -> float:
+def reached_speed2(cell: Cell, start_speed2: float, known_speed2: float, mean_speed: float, force: float) -> float:
     """Return the square of speed at the end of a cell [m2/s2] to which a force [N] leads: `needed_force` the other way.
 
-    At a mean speed that is taken for known; where B is not zero or the force varies with speed, a caller iterates.
+    At a mean speed and a square of speed at the end that are taken for known; where B or the starting resistance is not
+    zero or the force varies with speed, a caller iterates.
     """
     half = 0.5 * cell.quadratic
     # needed_force(w0, w1) = F solved for w1: w1 (k + C / 2) = w0 (k - C / 2) - A - B v + F
     left = (cell.inertia - half) * start_speed2 - cell.constant_n - cell.linear * mean_speed
+    if cell.starting_n > 0.0:
+        end2 = max(known_speed2, 0.0)
+        left -= mean_starting_resistance(cell.starting_n, cell.starting_ends_ms, start_speed2, end2)
     speed2: float = (left + force) / (cell.inertia + half)
     return speed2

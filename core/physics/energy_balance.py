@@ -17,7 +17,7 @@ from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, limits_at, shared_by_cells
 
 # downhill a run may need no energy at all: differences are then small beside the kinetic energy, not beside zero
 SMALL_ENERGY_SHARE = 0.1
@@ -101,9 +101,10 @@ def cell_balance(
 @njit(cache=True, error_model="numpy", nogil=True)
 def run_energy(mesh: MeshData, speed2: FloatArray) -> float:
     """Return the line energy of a run without auxiliaries [J], for squares of speed at the nodes of shape (n + 1,)."""
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     total = 0.0
     for i in range(mesh.cell_length_m.shape[0]):
+        train, traction, braking, drive = limits_at(shared, i)
         account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         total += account.supply_power_w * account.duration_s
     return total
@@ -113,9 +114,9 @@ def run_energy(mesh: MeshData, speed2: FloatArray) -> float:
 def run_balance(mesh: MeshData, speed2: FloatArray) -> CellBalance:
     """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
     n = mesh.cell_length_m.shape[0]
-    rows = np.empty((8, n))
-    train, traction, braking, drive = shared_by_cells(mesh)
+    rows, shared = np.empty((8, n)), shared_by_cells(mesh)
     for i in range(n):
+        train, traction, braking, drive = limits_at(shared, i)
         account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         for row in range(8):
             rows[row, i] = account[row]

@@ -6,15 +6,23 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
-from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
+from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell
+from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, supplied_effort
+from railjoule.core.physics.place_limits import (
+    BRAKING,
+    NO_PLACE,
+    TRACTION,
+    PlaceTables,
+    borrowed_tables,
+    limit_at_place,
+)
 
 # an empty array, not None: compiled code needs one type of each field
 SWITCHED_AT_WILL = np.zeros(0, dtype=np.int64)
 MODES = 3
 OFF, DRIVE, BRAKE = range(MODES)
 """Modes of a drive in a cell."""
-PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "mode", "supply_share")
+PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "mode", "supply_share", "place")
 PER_NODE = ("limit_speed2", "fixed_speed2")
 """The arrays of a meshed line's data with one entry a cell, and with one a node."""
 
@@ -36,10 +44,12 @@ class MeshData(NamedTuple):
         A and B of the running resistance [N, N s/m].
     resistance_quadratic : array of shape (n,)
         C with the factor of tunnels [N s2/m2].
+    starting_n, starting_ends_ms : float
+        As in `Cell`.
     traction, braking : EffortLimit
-        Largest efforts of the drive and of the electric brake.
+        Largest efforts of the drive and of the electric brake where the line does not lower them.
     friction_effort_n : float
-        Largest effort of the friction brakes [N].
+        Largest effort of the friction brakes there [N].
     max_acceleration_ms2, max_deceleration_ms2 : float
         Limits of dv/dt, infinite where there is none [m/s2].
     auxiliary_power_w : float
@@ -47,9 +57,13 @@ class MeshData(NamedTuple):
     drive_kind, drive_parameters : int and array
         What `railjoule.core.drive.kernels` take.
     recuperation_factor : float
-        Share of the generated energy that the line takes back.
+        Share of the generated energy that the line takes back there.
     supply_share : array of shape (n,)
         As in `Cell`.
+    place : array of shape (n,)
+        Whose row of `places` holds in each cell; NO_PLACE where the train's own limits do.
+    places : PlaceTables
+        Limits of effort and recuperation at other places, none above the train's own.
     mode : array of shape (n,) or (0,)
         Decision of a drive with idle losses in each cell, DRIVE, BRAKE or OFF; empty where it may be switched at will
         within a cell.
@@ -63,6 +77,8 @@ class MeshData(NamedTuple):
     resistance_constant_n: float
     resistance_linear: float
     resistance_quadratic: FloatArray
+    starting_n: float
+    starting_ends_ms: float
     traction: EffortLimit
     braking: EffortLimit
     friction_effort_n: float
@@ -73,6 +89,8 @@ class MeshData(NamedTuple):
     drive_parameters: FloatArray
     recuperation_factor: float
     supply_share: FloatArray
+    place: IntArray
+    places: PlaceTables
     mode: IntArray = SWITCHED_AT_WILL
 
 
@@ -110,6 +128,22 @@ class TrainLimits(NamedTuple):
     drive: FloatArray
 
 
+class SharedLimits(NamedTuple):
+    """A train with its own limits, and those of each cell, for the loops of a compiled function.
+
+    Parameters
+    ----------
+    own : TrainLimits
+        The train with its own limits, which no place lowers.
+    place, places
+        As in `MeshData`.
+    """
+
+    own: TrainLimits
+    place: IntArray
+    places: PlaceTables
+
+
 @njit(cache=True)
 def train_data(mesh: MeshData) -> Train:
     """Return the plain numbers of a meshed line's train."""
@@ -123,14 +157,48 @@ def train_data(mesh: MeshData) -> Train:
 
 
 @njit(cache=True)
-def shared_by_cells(mesh: MeshData) -> TrainLimits:
+def shared_by_cells(mesh: MeshData) -> SharedLimits:
     """Return the train as the physics of all cells needs it.
 
     For the loops of a compiled function that has the mesh as an argument: the arrays are `borrowed` from it. Python
     must not call it: there the arrays would outlive the loan.
     """
     traction, braking = borrowed_limit(mesh.traction), borrowed_limit(mesh.braking)
-    return TrainLimits(train_data(mesh), traction, braking, borrowed(mesh.drive_parameters))
+    own = TrainLimits(train_data(mesh), traction, braking, borrowed(mesh.drive_parameters))
+    return SharedLimits(own, borrowed(mesh.place), borrowed_tables(mesh.places))
+
+
+# inlined: to hand over so many arrays takes longer than the physics of a cell
+@njit(cache=True, forceinline=True)
+def limits_at(shared: SharedLimits, number: int) -> TrainLimits:
+    """Return the train as the physics of one cell needs it."""
+    place = shared.place[number]
+    return shared.own if place == NO_PLACE else _limits_at_place(shared, place)
+
+
+@njit(cache=True)
+def _limits_at_place(shared: SharedLimits, place: int) -> TrainLimits:
+    train, places = shared.own.train, shared.places
+    return TrainLimits(
+        Train(
+            train.drive_kind,
+            places.recuperation_factor[place],
+            places.friction_n[place],
+            train.max_acceleration_ms2,
+            train.max_deceleration_ms2,
+        ),
+        limit_at_place(places, TRACTION, place),
+        limit_at_place(places, BRAKING, place),
+        shared.own.drive,
+    )
+
+
+@njit(cache=True)
+def recuperation_at(mesh: MeshData, number: int) -> float:
+    """Return the share of the generated energy that the supply takes back in a cell."""
+    place = mesh.place[number]
+    factor: float = mesh.recuperation_factor if place == NO_PLACE else mesh.places.recuperation_factor[place]
+    return factor
 
 
 @njit(cache=True, error_model="numpy")
@@ -143,6 +211,8 @@ def cell_at(mesh: MeshData, number: int) -> Cell:
         mesh.resistance_linear,
         mesh.resistance_quadratic[number],
         mesh.supply_share[number],
+        mesh.starting_n,
+        mesh.starting_ends_ms,
     )
 
 
@@ -157,7 +227,18 @@ def scaled_cell_at(mesh: MeshData, number: int, scale: float) -> Cell:
         mesh.resistance_linear / scale,
         mesh.resistance_quadratic[number] / scale,
         mesh.supply_share[number],
+        mesh.starting_n / scale,
+        mesh.starting_ends_ms,
     )
+
+
+@njit(cache=True, error_model="numpy")
+def can_start(cell: Cell, traction: EffortLimit) -> bool:
+    """Return whether the drive overcomes the starting resistance of a standing train; True where it has none."""
+    if cell.starting_n <= 0.0:
+        return True
+    needed: float = cell.constant_n + cell.starting_n
+    return supplied_effort(traction, cell.supply_share, NEARLY_AT_REST_MS) > needed
 
 
 @njit(cache=True, error_model="numpy")
@@ -165,7 +246,16 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
     # k = m / (2 h)
     inertia = cell.inertia * (cell.length_m / length_m)
-    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic, cell.supply_share)
+    return Cell(
+        length_m,
+        inertia,
+        cell.constant_n,
+        cell.linear,
+        cell.quadratic,
+        cell.supply_share,
+        cell.starting_n,
+        cell.starting_ends_ms,
+    )
 
 
 def data_between(mesh: MeshData, first: int, last: int) -> MeshData:
@@ -185,22 +275,51 @@ def all_cells(mesh: MeshData) -> Cell:
         mesh.resistance_linear,
         mesh.resistance_quadratic,
         mesh.supply_share,
+        mesh.starting_n,
+        mesh.starting_ends_ms,
     )
+
+
+def at_place(mesh: MeshData, place: int) -> MeshData:
+    """Return a meshed line whose train has everywhere the limits of one kind of place."""
+    if place == NO_PLACE:
+        return mesh
+    places = mesh.places
+    return mesh._replace(
+        traction=places.limit(TRACTION, place),
+        braking=places.limit(BRAKING, place),
+        friction_effort_n=float(places.friction_n[place]),
+        recuperation_factor=float(places.recuperation_factor[place]),
+    )
+
+
+def recuperation_factors(mesh: MeshData) -> FloatArray:
+    """Return the share of the generated energy that the supply takes back in each cell; shape (n,)."""
+    return np.append(mesh.places.recuperation_factor, mesh.recuperation_factor)[mesh.place]
+
+
+def friction_limits_n(mesh: MeshData) -> FloatArray:
+    """Return the largest effort of the friction brakes in each cell [N]; shape (n,)."""
+    return np.append(mesh.places.friction_n, mesh.friction_effort_n)[mesh.place]
 
 
 def tractive_limit_n(mesh: MeshData, speed_ms: FloatArray) -> FloatArray:
     """Return the largest tractive effort [N] of each cell at speeds above zero [m/s], of shape (n,) or (n, k)."""
-    return _supplied_n(mesh, mesh.traction, speed_ms)
+    return _supplied_n(mesh, TRACTION, speed_ms)
 
 
 def electric_limit_n(mesh: MeshData, speed_ms: FloatArray) -> FloatArray:
     """Return the largest electric braking effort [N] of each cell; speeds as for `tractive_limit_n`."""
-    return _supplied_n(mesh, mesh.braking, speed_ms)
+    return _supplied_n(mesh, BRAKING, speed_ms)
 
 
-def _supplied_n(mesh: MeshData, limit: EffortLimit, speed_ms: FloatArray) -> FloatArray:
-    effort, most = limit.effort_n(speed_ms), limit.constant_n * mesh.supply_share
-    supplied: FloatArray = np.minimum(effort, most if effort.ndim == 1 else most[:, None])
+def _supplied_n(mesh: MeshData, side: int, speed_ms: FloatArray) -> FloatArray:
+    supplied = np.empty(speed_ms.shape)
+    for place in np.unique(mesh.place).tolist():
+        data, cells = at_place(mesh, place), mesh.place == place
+        limit = data.traction if side == TRACTION else data.braking
+        effort, most = limit.effort_n(speed_ms[cells]), limit.constant_n * mesh.supply_share[cells]
+        supplied[cells] = np.minimum(effort, most if effort.ndim == 1 else most[:, None])
     return supplied
 
 
@@ -213,6 +332,7 @@ def lowered_limits(mesh: MeshData, share: float) -> MeshData:
         traction=mesh.traction.lowered(share),
         braking=mesh.braking.lowered(share),
         friction_effort_n=kept * mesh.friction_effort_n,
+        places=mesh.places.lowered(share),
         max_acceleration_ms2=kept * mesh.max_acceleration_ms2,
         max_deceleration_ms2=kept * mesh.max_deceleration_ms2,
     )

@@ -16,7 +16,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
 from railjoule.core.physics.effort_limit import EffortLimit
 from railjoule.core.physics.energy_balance import CellBalance, cell_balance
-from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, limits_at, shared_by_cells
 
 NONE_BEFORE = -1
 NOTHING, STOP, NEUTRAL_SECTION = range(3)
@@ -68,9 +68,10 @@ def actions_of_run(mesh: MeshData, speed2: FloatArray) -> RunActions:
         np.empty(n),
         np.where(mesh.fixed_speed2[:-1] == 0.0, STOP, NOTHING),
     )
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(n):
+        train, traction, braking, drive = limits_at(shared, i)
         account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         done.action[i], done.mode[i] = action_of_cell(account, traction, another)
         done.duration_s[i] = account.duration_s

@@ -11,8 +11,9 @@ from railjoule.core.scenario.document import (
 )
 from railjoule.core.scenario.line import Line, NeutralSection, Section, SpeedLimit, Station
 from railjoule.core.scenario.presets import preset_document, preset_names, preset_text, scenario_of_vehicle
+from railjoule.core.scenario.resistance import Resistance
 from railjoule.core.scenario.scenario import Scenario, Timetable
-from railjoule.core.scenario.vehicle import Braking, Resistance, Traction, Vehicle
+from railjoule.core.scenario.vehicle import Braking, Traction, Vehicle
 
 __all__ = [
     "Braking",

@@ -143,6 +143,9 @@ class Disturbance(Part):
     actual_load_factor: Number | None = Field(
         None, ge=0, le=MAX_LOAD_FACTOR, description="Actual share of the capacity on board."
     )
+    actual_load_t: Number | None = Field(
+        None, ge=0, le=1e5, description="Actual load on board [t], instead of its share."
+    )
     stops: tuple[UnplannedStop, ...] = Field((), max_length=100)
     speed_limits: tuple[UnplannedLimit, ...] = Field((), max_length=100)
     voltage_changes: tuple[VoltageChange, ...] = Field((), max_length=100)
@@ -156,6 +159,17 @@ class Disturbance(Part):
     line_voltage_factor: Number = Field(1.0, gt=0, le=2, description="Supply voltage over its nominal value.")
     rail_condition: RailCondition | None = Field(None, description="Actual rail condition; if empty, as planned.")
     departure_delay_s: Number = Field(0.0, ge=0, le=86400, description="Departure delay [s].")
+
+    @model_validator(mode="after")
+    def _one_load(self) -> Self:
+        if self.actual_load_factor is not None and self.actual_load_t is not None:
+            raise ValueError("needs only one of actual_load_t and actual_load_factor: both are the actual load")
+        return self
+
+    @property
+    def has_load(self) -> bool:
+        """Whether it contains a load of its own."""
+        return self.actual_load_factor is not None or self.actual_load_t is not None
 
     @property
     def events(self) -> tuple[Event, ...]:

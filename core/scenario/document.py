@@ -33,6 +33,9 @@ AnyPart = TypeVar("AnyPart", bound=PresetPart)
 # leave both in force, which the model refuses.
 EXCLUSIVE_KEYS = (
     {"rotating_mass_factor", "inertial_mass_kg"},
+    {"load_factor", "load_t"},
+    {"actual_load_factor", "actual_load_t"},
+    {"max_load_t", "capacity_passengers"},
     set(TIME_KEYS),
     *({key, "deduct_train_length"} for key in TIME_KEYS if key != "average_speed_kmh"),
     *({key, "reserve_parts"} for key in TIME_KEYS if key not in RESERVE_KEYS),
@@ -239,7 +242,12 @@ def _over_preset(part: PresetPart) -> Document | None:
         mode="json", exclude_none=True
     )
     short = _difference(full, base)
-    return short if merged(base, short) == full else None
+    # a default that another key of its group replaces needs no line of its own
+    for key in [key for group in EXCLUSIVE_KEYS if len(group & short.keys()) > 1 for key in group & short.keys()]:
+        if short[key] == type(part).model_fields[key].default:
+            del short[key]
+    # compared as parts: a key that replaces another one's default is not among the base's keys
+    return short if part.model_validate(merged(base, short)) == part else None
 
 
 def _difference(full: Document, base: Document) -> Document:

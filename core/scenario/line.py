@@ -1,4 +1,4 @@
-"""A line: sections of gradient, curve and limit, temporary limits, neutral sections, stations, passing points."""
+"""A line: sections of gradient, curve and limit, limits by place, neutral sections, stations, passing points."""
 
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -17,8 +17,13 @@ SHORTEST_DISTANCE_M = 1.0
 """Neither a line nor the distance between two stations is shorter."""
 AT_END_M = 1e-6
 """A station this close to an end of the line lies there: lengths are sums of sections."""
+STRETCHES = ("speed_limits", "neutral_sections", "traction_limits", "rail_conditions")
+"""The tables of a line whose entries lie between two places."""
 TIMES_OF_A_STOP = ("dwell_s", "arrival_s", "earliest_arrival_s", "latest_arrival_s")
 """Keys of a station that need an arrival, and a departure after it."""
+
+
+RailCondition = Literal["dry", "wet"]
 
 
 class Section(Part):
@@ -63,6 +68,43 @@ class NeutralSection(Stretch):
     """
 
 
+class TractionLimit(Stretch):
+    """A piece of line on which the train may pull, or feed back, less than elsewhere.
+
+    It holds as long as the front of the train is in it, where the pantograph is taken to be. The lowest limit of each
+    kind holds where several overlap.
+    """
+
+    max_effort_kn: Number | None = Field(None, gt=0, le=10_000, description="Largest tractive effort [kN].")
+    effort_factor: Number = Field(
+        1.0, gt=0, le=1, description="Share of the largest tractive effort at every speed that is left."
+    )
+    max_power_kw: Number | None = Field(
+        None, gt=0, le=100_000, description="Largest power at the wheels while driving [kW]."
+    )
+    max_current_a: Number | None = Field(
+        None, gt=0, le=100_000, description="Largest current from the supply while driving, auxiliaries included [A]."
+    )
+    recuperation_factor: Number = Field(
+        1.0, ge=0, le=1, description="Share of the generated energy that the supply takes back; 0 for none."
+    )
+
+    @model_validator(mode="after")
+    def _limits_something(self) -> Self:
+        largest = self.max_effort_kn, self.max_power_kw, self.max_current_a
+        if self.effort_factor == 1 and self.recuperation_factor == 1 and all(value is None for value in largest):
+            raise ValueError(
+                "limits nothing: give max_effort_kn, effort_factor, max_power_kw, max_current_a or recuperation_factor"
+            )
+        return self
+
+
+class RailStretch(Stretch):
+    """A piece of line with a rail condition of its own."""
+
+    condition: RailCondition = Field(description="Rail condition there.")
+
+
 class Station(Part):
     """A planned stop."""
 
@@ -103,7 +145,6 @@ class PassingPoint(Part):
     speed_kmh: Number = Field(gt=0, le=600, description="Speed of the train there [km/h].")
 
 
-RailCondition = Literal["dry", "wet"]
 AnyStretch = TypeVar("AnyStretch", bound=Stretch)
 
 
@@ -134,10 +175,19 @@ class Line(PresetPart):
     neutral_sections: tuple[NeutralSection, ...] = Field(
         (), max_length=10_000, description="Where the drive neither pulls nor brakes, for want of traction power."
     )
+    traction_limits: tuple[TractionLimit, ...] = Field(
+        (), max_length=1000, description="Where tractive effort, power, current or recuperation is limited."
+    )
+    rail_conditions: tuple[RailStretch, ...] = Field(
+        (), max_length=1000, description="Where the rail condition is another than `rail_condition`."
+    )
     stations: tuple[Station, ...] = Field((), max_length=1000)
     passing_points: tuple[PassingPoint, ...] = Field((), max_length=1000)
     limits_hold_for: Literal["front", "whole_train"] = Field(
         "front", description="Whether a limit ends with the front of the train or once its rear has left, too."
+    )
+    limit_margin_m: Number = Field(
+        0.0, ge=0, le=10_000, description="How far before its beginning a lower speed limit holds already [m]."
     )
     # no line is driven in a gale of more than 150 km/h; a wind from behind would turn the sign of v + wind near rest
     head_wind_kmh: Number = Field(
@@ -214,8 +264,8 @@ class Line(PresetPart):
         length = self.length_m
         if length < SHORTEST_DISTANCE_M:
             raise ValueError(f"is {length:g} m long, and must be at least {SHORTEST_DISTANCE_M:g} m")
-        for key, stretches in (("speed_limits", self.speed_limits), ("neutral_sections", self.neutral_sections)):
-            for index, one in enumerate(stretches):
+        for key in STRETCHES:
+            for index, one in enumerate(getattr(self, key)):
                 self._require_on_line(f"{key}[{index}].to_m", one.to_m)
         # two stations closer than a cell would share a node of the mesh, at which the train could stand only once
         _require_apart("stations", self.stations)
@@ -272,8 +322,7 @@ class Line(PresetPart):
                     section.model_copy(update={"gradient_permille": -section.gradient_permille})
                     for section in reversed(self.sections)
                 ),
-                "speed_limits": tuple(_turned(limit, length) for limit in reversed(self.speed_limits)),
-                "neutral_sections": tuple(_turned(section, length) for section in reversed(self.neutral_sections)),
+                **{key: tuple(_turned(one, length) for one in reversed(getattr(self, key))) for key in STRETCHES},
                 "stations": tuple(
                     station.model_copy(update={"position_m": max(length - station.position_m, 0.0)})
                     for station in reversed(self.stations)
@@ -284,6 +333,11 @@ class Line(PresetPart):
                 ),
             }
         )
+
+    @property
+    def all_rail_conditions(self) -> frozenset[RailCondition | None]:
+        """The rail conditions of all places."""
+        return frozenset((self.rail_condition, *(one.condition for one in self.rail_conditions)))
 
     @property
     def inner_stations(self) -> tuple[Station, ...]:

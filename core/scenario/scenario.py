@@ -25,9 +25,9 @@ from railjoule.core.scenario.options import (
     SolverOptions,
 )
 from railjoule.core.scenario.text_file import NESTED_TOO_DEEPLY
-from railjoule.core.scenario.vehicle import Vehicle
+from railjoule.core.scenario.vehicle import KG_PER_T, Vehicle
 from railjoule.core.strategy import require_strategy
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, W_PER_KW
 
 if TYPE_CHECKING:
     from railjoule.core.reserve import ReservedTime
@@ -205,23 +205,62 @@ class Scenario(Part):
                     f"timetable.reserve_parts[{index}].to_m = {part.to_m:g} lies beyond the end of the line at "
                     f"{length:g} m"
                 )
-        for name, table in (("line", self.line), ("disturbance", self.disturbance)):
-            if table.rail_condition is not None and vehicle.adhesion.driven_mass_share is None:
-                raise ValueError(
-                    f"{name}.rail_condition = '{table.rail_condition}' needs vehicle.adhesion.driven_mass_share, the "
-                    "share of the mass on driven axles; it is 1 where all axles are driven"
-                )
+        self._require_data_of_limits_by_place()
         if not self.line.inner_stations:
             default = MonteCarloOptions.model_fields["dwell_delay_s"].default
             if self.montecarlo.dwell_delay_s != default:
                 raise ValueError("montecarlo.dwell_delay_s has no effect on a line without a station between its ends")
-        # against the crush load and not 1: what a train really carries may exceed its nominal capacity
-        load, most = self.disturbance.actual_load_factor, vehicle.crush_load_factor
-        if load is not None and load > most:
-            raise ValueError(
-                f"disturbance.actual_load_factor = {load:g} must be at most {most:g}, the vehicle.crush_load_factor"
-            )
+        self._require_possible_actual_load()
         return self
+
+    def _require_possible_actual_load(self) -> None:
+        # against the crush load and not 1: what a train really carries may exceed its nominal capacity
+        vehicle, share, tonnes = self.vehicle, self.disturbance.actual_load_factor, self.disturbance.actual_load_t
+        most = vehicle.crush_load_factor
+        if share is not None and share > most:
+            raise ValueError(
+                f"disturbance.actual_load_factor = {share:g} must be at most {most:g}, the vehicle.crush_load_factor"
+            )
+        most_t = most * vehicle.capacity_kg / KG_PER_T
+        if vehicle.has_capacity and tonnes is not None and tonnes > most_t * (1 + 1e-9):
+            raise ValueError(
+                f"disturbance.actual_load_t = {tonnes:g} must be at most {most_t:g}, the capacity with "
+                "vehicle.crush_load_factor"
+            )
+
+    @property
+    def actual_load_share(self) -> float:
+        """Load really on board, as a share of the vehicle's capacity; the planned one where nothing else is said."""
+        share, tonnes = self.disturbance.actual_load_factor, self.disturbance.actual_load_t
+        if tonnes is not None:
+            return tonnes * KG_PER_T / self.vehicle.capacity_kg if self.vehicle.capacity_kg > 0 else 0.0
+        return self.vehicle.load_share if share is None else share
+
+    def _require_data_of_limits_by_place(self) -> None:
+        """Raise ValueError if the vehicle lacks what a limit of adhesion or of current counts with."""
+        vehicle, line = self.vehicle, self.line
+        conditions = {"line.rail_condition": line.rail_condition}
+        conditions |= {
+            f"line.rail_conditions[{k}].condition": one.condition for k, one in enumerate(line.rail_conditions)
+        }
+        conditions["disturbance.rail_condition"] = self.disturbance.rail_condition
+        for key, condition in conditions.items():
+            if condition is not None and vehicle.adhesion.driven_mass_share is None:
+                raise ValueError(
+                    f"{key} = '{condition}' needs vehicle.adhesion.driven_mass_share, the share of the mass on driven "
+                    "axles; it is 1 where all axles are driven"
+                )
+        auxiliary_w, voltage = vehicle.auxiliary_power_kw * W_PER_KW, vehicle.line_voltage_v
+        for index, limit in enumerate(line.traction_limits):
+            if limit.max_current_a is None:
+                continue
+            key = f"line.traction_limits[{index}].max_current_a = {limit.max_current_a:g}"
+            if voltage is None:
+                raise ValueError(f"{key} needs vehicle.line_voltage_v, the voltage of the supply")
+            if limit.max_current_a * voltage <= auxiliary_w:
+                raise ValueError(
+                    f"{key} must be above {auxiliary_w / voltage:.5g} A, the current of vehicle.auxiliary_power_kw"
+                )
 
     def _require_runs_longer_than_the_train(self) -> None:
         train = self.vehicle.length_m

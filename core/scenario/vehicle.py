@@ -10,6 +10,9 @@ from pydantic import Field, model_validator
 from railjoule.core.scenario._base import Count, Name, Number, Part, PresetPart
 from railjoule.core.scenario.assumed import Assumed, require_known_keys, value_at
 from railjoule.core.scenario.drive import Drive
+from railjoule.core.scenario.resistance import Resistance, SpecificResistance
+
+KG_PER_T = 1000.0
 
 # standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
 MAX_LOAD_FACTOR = 3.0
@@ -24,9 +27,19 @@ def _require_rising_speeds(name: str, points: Iterable[tuple[float, float]]) -> 
         raise ValueError(f"{name} must have rising speeds")
 
 
+def _require_possible_steps(curve: Iterable[tuple[float, float]]) -> None:
+    points = tuple(curve)
+    if any(later[0] < earlier[0] for earlier, later in pairwise(points)):
+        raise ValueError("curve must have rising speeds; two points at the same speed are a step")
+    if any(last[0] == first[0] for first, _, last in zip(points, points[1:], points[2:], strict=False)):
+        raise ValueError("curve has more than two points at the same speed: a step has one on each side")
+    if len(points) > 1 and points[0][0] == points[1][0]:
+        raise ValueError("curve begins with a step: nothing lies before it")
+
+
 def _require_usable_curve(limits: "Traction | Braking") -> None:
     """Refuse a curve of effort that is none, and a breakdown of an effort that nothing limits."""
-    _require_rising_speeds("curve", limits.curve or ())
+    _require_possible_steps(limits.curve or ())
     # a curve of zeros is a train that cannot start, or a brake that is none: that has a key of its own
     if limits.curve is not None and not any(effort > 0 for _, effort in limits.curve):
         raise ValueError("curve must have an effort above 0")
@@ -34,36 +47,6 @@ def _require_usable_curve(limits: "Traction | Braking") -> None:
     given = (limits.max_effort_kn, limits.max_power_kw, limits.curve)
     if limits.breakdown_speed_kmh is not None and all(one is None for one in given):
         raise ValueError("breakdown_speed_kmh needs max_effort_kn, max_power_kw or curve")
-
-
-class SpecificResistance(Part):
-    """Running resistance over weight, speed in km/h."""
-
-    # Bounds of numbers in this file stop slips of units - tonnes for kilograms, metres for millimetres - and not
-    # unusual trains: each is above what the heaviest and fastest trains have.
-    constant_n_per_kn: Number = Field(0.0, ge=0, le=100, description="Specific, constant [N per kN of weight].")
-    linear_n_per_kn_per_kmh: Number = Field(0.0, ge=0, le=10, description="Specific, linear in speed.")
-    quadratic_n_per_kn_per_kmh2: Number = Field(0.0, ge=0, le=1, description="Specific, quadratic in speed.")
-
-
-class CarKind(SpecificResistance):
-    """Cars of a train that run alike, as its motor cars do; what they have beside what all cars have."""
-
-    cars: Count = Field(ge=1, le=200, description="How many of the vehicle's equally heavy cars are of this kind.")
-
-
-class Resistance(SpecificResistance):
-    """Running resistance: specific terms times weight plus absolute terms, speed in km/h."""
-
-    car_kinds: tuple[CarKind, ...] = Field(
-        (), max_length=20, description="Kinds of cars with specific terms of their own, added to those of all cars."
-    )
-    constant_n: Number = Field(0.0, ge=0, le=1e6, description="Absolute, constant [N].")
-    linear_n_per_kmh: Number = Field(0.0, ge=0, le=1e5, description="Absolute, linear in speed.")
-    quadratic_n_per_kmh2: Number = Field(0.0, ge=0, le=1e4, description="Absolute, quadratic in speed.")
-    curve_constant_m_n_per_kn: Number = Field(
-        0.0, ge=0, le=5000, description="Curve resistance times radius, per weight [N m/kN]."
-    )
 
 
 class Traction(Part):
@@ -78,7 +61,8 @@ class Traction(Part):
         None,
         min_length=2,
         max_length=1000,
-        description="Largest tractive effort over speed, [[km/h, kN], ...]; beyond the last point its power goes on.",
+        description="Largest tractive effort over speed, [[km/h, kN], ...]; beyond the last point its power goes on, "
+        "two points at one speed are a step, at which the lower one holds.",
     )
     breakdown_speed_kmh: Number | None = Field(
         None, gt=0, le=600, description="From this speed on the effort falls with the square of the speed [km/h]."
@@ -103,7 +87,7 @@ class Braking(Part):
         min_length=2,
         max_length=1000,
         description="Largest electric braking effort over speed, [[km/h, kN], ...]; beyond the last point its power "
-        "goes on.",
+        "goes on, two points at one speed are a step, at which the lower one holds.",
     )
     breakdown_speed_kmh: Number | None = Field(
         None,
@@ -161,7 +145,10 @@ class Vehicle(PresetPart):
     tare_kg: Number = Field(gt=0, le=1e7, description="Mass of the empty vehicle [kg].")
     capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers that the vehicle can carry.")
     passenger_mass_kg: Number = Field(75.0, ge=0, le=500, description="Mass of one passenger [kg].")
+    # of a freight train, instead of passengers
+    max_load_t: Number | None = Field(None, gt=0, le=1e5, description="Capacity for freight [t].")
     load_factor: Number = Field(0.0, ge=0, le=MAX_LOAD_FACTOR, description="Share of the capacity on board.")
+    load_t: Number | None = Field(None, ge=0, le=1e5, description="Load on board [t], instead of its share.")
     crush_load_factor: Number = Field(
         1.0, ge=1, le=MAX_LOAD_FACTOR, description="Largest load factor: above 1, crush load."
     )
@@ -228,15 +215,7 @@ class Vehicle(PresetPart):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        if self.load_factor > self.crush_load_factor:
-            raise ValueError(
-                f"load_factor = {self.load_factor:g} must be at most {self.crush_load_factor:g}, the crush_load_factor"
-            )
-        if self.load_factor > 0 and self.passenger_mass_kg * self.capacity_passengers == 0:
-            raise ValueError(
-                f"load_factor = {self.load_factor:g} has no effect: it needs capacity_passengers and "
-                "passenger_mass_kg above 0"
-            )
+        self._require_possible_load()
         if (self.rotating_mass_factor is None) == (self.inertial_mass_kg is None):
             raise ValueError("needs exactly one of rotating_mass_factor and inertial_mass_kg")
         if self.inertial_mass_kg is not None and self.inertial_mass_kg < self.tare_kg:
@@ -254,29 +233,80 @@ class Vehicle(PresetPart):
             raise ValueError(f"resistance.car_kinds have {cars} cars, but car_count is {self.car_count or 'not given'}")
         return self
 
+    def _require_possible_load(self) -> None:
+        if self.max_load_t is not None and self.capacity_passengers > 0:
+            raise ValueError("needs only one of max_load_t and capacity_passengers: both are the capacity")
+        if self.load_t is not None and self.load_factor > 0:
+            raise ValueError("needs only one of load_t and load_factor: both are the load")
+        if self.load_factor > self.crush_load_factor:
+            raise ValueError(
+                f"load_factor = {self.load_factor:g} must be at most {self.crush_load_factor:g}, the crush_load_factor"
+            )
+        if self.load_factor > 0 and self.capacity_kg == 0:
+            raise ValueError(
+                f"load_factor = {self.load_factor:g} has no effect: it needs capacity_passengers and "
+                "passenger_mass_kg above 0, or max_load_t; load_t is a load in tonnes"
+            )
+        most_t = self.crush_load_factor * self.capacity_kg / KG_PER_T
+        # rounding: a share of the capacity, written in tonnes, is that share
+        if self.load_t is not None and self.load_t > most_t * (1 + 1e-9):
+            raise ValueError(
+                f"load_t = {self.load_t:g} must be at most {most_t:g}, the capacity with crush_load_factor"
+            )
+
+    def with_load(self, share: float | None = None, tonnes: float | None = None) -> "Vehicle":
+        """Return the vehicle with another load: a share of its capacity or a mass [t], which is not checked."""
+        if tonnes is None:
+            # a share refers to the planned load where no capacity is given
+            capacity = {} if self.has_capacity or self.load_t is None else {"max_load_t": self.load_t or None}
+            return self.model_copy(update={"load_factor": share or 0.0, "load_t": None, **capacity})
+        return self.model_copy(update={"load_factor": 0.0, "load_t": tonnes})
+
     @property
     def specific_resistance(self) -> SpecificResistance:
-        """Running resistance over the weight of the whole train: the mean over its equally heavy cars."""
-        terms = {
-            name: getattr(self.resistance, name)
-            + sum(kind.cars * getattr(kind, name) for kind in self.resistance.car_kinds) / (self.car_count or 1)
-            for name in SpecificResistance.model_fields
-        }
+        """Running resistance over the weight of the whole train: the mean over its equally heavy cars and its load."""
+        resistance, load_share = self.resistance, self.load_mass_kg / self.total_mass_kg
+        terms = {}
+        for name, common in zip(SpecificResistance.model_fields, resistance.specific, strict=True):
+            own = common + sum(kind.cars * getattr(kind, name) for kind in resistance.car_kinds) / (self.car_count or 1)
+            of_load = getattr(resistance.load, name)
+            terms[name] = own if of_load is None else own + load_share * (of_load - own)
         return SpecificResistance.model_construct(**terms)
 
     @property
+    def has_capacity(self) -> bool:
+        """Whether the capacity is given."""
+        return self.max_load_t is not None or self.capacity_passengers * self.passenger_mass_kg > 0
+
+    @property
+    def capacity_kg(self) -> float:
+        """Mass of the load whose share is 1 [kg]; a load in tonnes is its own capacity where no other is known."""
+        if self.max_load_t is not None:
+            return self.max_load_t * KG_PER_T
+        if self.capacity_passengers * self.passenger_mass_kg > 0:
+            return self.capacity_passengers * self.passenger_mass_kg
+        return (self.load_t or 0.0) * KG_PER_T
+
+    @property
+    def load_share(self) -> float:
+        """Load over capacity, however it is given; 0 without a capacity."""
+        if self.load_t is None:
+            return self.load_factor
+        return self.load_mass_kg / self.capacity_kg if self.capacity_kg > 0 else 0.0
+
+    @property
     def load_mass_kg(self) -> float:
-        """Mass of the passengers on board [kg]."""
-        return self.load_factor * self.capacity_passengers * self.passenger_mass_kg
+        """Mass of passengers or freight on board [kg]."""
+        return self.load_factor * self.capacity_kg if self.load_t is None else self.load_t * KG_PER_T
 
     @property
     def total_mass_kg(self) -> float:
-        """Mass of vehicle and passengers [kg]."""
+        """Mass of vehicle and load [kg]."""
         return self.tare_kg + self.load_mass_kg
 
     @property
     def total_inertia_kg(self) -> float:
-        """Mass that resists acceleration [kg]; passengers do not turn."""
+        """Mass that resists acceleration [kg]; a load does not turn, but a factor is one of the whole mass."""
         if self.inertial_mass_kg is not None:
             return self.inertial_mass_kg + self.load_mass_kg
         assert self.rotating_mass_factor is not None

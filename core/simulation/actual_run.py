@@ -13,6 +13,7 @@ from typing import Literal, get_args
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Disturbance, Reaction
 from railjoule.core.scenario.options import SimulationOptions
+from railjoule.core.simulation.actual_vehicle import actually_loaded
 from railjoule.core.simulation.disturbances import LATE_S, DisturbedRun, simulate_disturbances, undisturbed_plan
 from railjoule.core.simulation.following import Following, follow, plan_for
 from railjoule.core.simulation.leg import DrivenPlan, make_leg
@@ -162,15 +163,15 @@ def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Disturbance, Simula
     """Yield each cause that differs from the plan, with disturbance and options of it and those before it."""
     real, options = scenario.disturbance, scenario.simulation
     # the load comes first, with a position measured well: its cost is then the same with any odometer
-    load = real.actual_load_factor
-    if load is not None and load != scenario.vehicle.load_factor:
+    load = {"actual_load_factor": real.actual_load_factor, "actual_load_t": real.actual_load_t}
+    if actually_loaded(scenario.vehicle, real).load_mass_kg != scenario.vehicle.load_mass_kg:
         well = options.model_copy(update={"speed_error": 0.0, "sensor_errors_m": (0.0, 0.0, 0.0)})
-        yield "load", Disturbance(actual_load_factor=load), well
-    followed = Disturbance(actual_load_factor=load, coordinate_error_m=real.coordinate_error_m)
+        yield "load", Disturbance(**load), well
+    followed = Disturbance(**load, coordinate_error_m=real.coordinate_error_m)
     if real.coordinate_error_m != 0 or options.speed_error != 0 or any(options.sensor_errors_m):
         yield "position", followed, options
     factors = {"resistance_factor": real.resistance_factor, "line_voltage_factor": real.line_voltage_factor}
-    has_other_rails = real.rail_condition not in {None, scenario.line.rail_condition}
+    has_other_rails = real.rail_condition is not None and scenario.line.all_rail_conditions != {real.rail_condition}
     if has_other_rails or any(factor != 1 for factor in factors.values()):
         yield "conditions", followed.model_copy(update={**factors, "rail_condition": real.rail_condition}), options
     # from here on the position is that of the followed run

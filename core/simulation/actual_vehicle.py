@@ -3,12 +3,15 @@
 from typing import Any
 
 from railjoule.core.scenario import Scenario, Vehicle
+from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.drive import DriveParameters
-from railjoule.core.scenario.vehicle import Braking, Resistance, SpecificResistance, Traction
+from railjoule.core.scenario.resistance import Davis, Resistance, ResistanceFormula, SpecificResistance
+from railjoule.core.scenario.vehicle import Braking, Traction
 
 # Terms of the weight and absolute ones; the curves' constant is a matter of the track and is not among them.
 SPECIFIC_TERMS = tuple(SpecificResistance.model_fields)
-RESISTANCE_TERMS = (*SPECIFIC_TERMS, "constant_n", "linear_n_per_kmh", "quadratic_n_per_kmh2")
+ABSOLUTE_TERMS = ("constant_n", "linear_n_per_kmh", "quadratic_n_per_kmh2")
+STARTING_TERMS = ("starting_n_per_kn", "starting_n")
 
 NO_JERK_LIMIT = "Plan and actual run are those of a train without vehicle.max_jerk_ms3, which only single runs keep."
 
@@ -27,15 +30,22 @@ def actual_vehicle(scenario: Scenario) -> Scenario:
     # the timetable is that of the planned train
     scenario = scenario.with_fixed_time()
     disturbance, vehicle, line = scenario.disturbance, scenario.vehicle, scenario.line
-    if disturbance.actual_load_factor is not None:
-        vehicle = changed(vehicle, load_factor=disturbance.actual_load_factor)
+    vehicle = actually_loaded(vehicle, disturbance)
     if disturbance.resistance_factor != 1:
         vehicle = changed(vehicle, resistance=_times(vehicle.resistance, disturbance.resistance_factor))
     if disturbance.line_voltage_factor != 1:
         vehicle = at_voltage(vehicle, disturbance.line_voltage_factor)
     if disturbance.rail_condition is not None:
-        line = line.model_copy(update={"rail_condition": disturbance.rail_condition})
+        # what is known of the day holds on all of the line
+        line = line.model_copy(update={"rail_condition": disturbance.rail_condition, "rail_conditions": ()})
     return scenario.model_copy(update={"vehicle": vehicle, "line": line})
+
+
+def actually_loaded(vehicle: Vehicle, disturbance: Disturbance) -> Vehicle:
+    """Return a vehicle with the load of a disturbance, or as it is where that has none."""
+    if not disturbance.has_load:
+        return vehicle
+    return vehicle.with_load(disturbance.actual_load_factor, disturbance.actual_load_t)
 
 
 def _times(resistance: Resistance, factor: float) -> Resistance:
@@ -44,8 +54,14 @@ def _times(resistance: Resistance, factor: float) -> Resistance:
         kind.model_copy(update={name: factor * getattr(kind, name) for name in SPECIFIC_TERMS})
         for kind in resistance.car_kinds
     )
-    terms = {name: factor * getattr(resistance, name) for name in RESISTANCE_TERMS}
-    return resistance.model_copy(update={**terms, "car_kinds": kinds})
+    # Davis coefficients and formulas are among the sums
+    terms = dict(zip((*SPECIFIC_TERMS, *ABSOLUTE_TERMS), (*resistance.specific, *resistance.absolute), strict=True))
+    starting = {name: getattr(resistance, name) for name in STARTING_TERMS}
+    of_load = {name: factor * term for name, term in resistance.load.model_dump(exclude_none=True).items()}
+    update: dict[str, Any] = {name: factor * term for name, term in (terms | starting).items()}
+    load = resistance.load.model_copy(update=of_load)
+    no_others = {"davis": Davis(), "formula": ResistanceFormula()}
+    return resistance.model_copy(update={**update, **no_others, "car_kinds": kinds, "load": load})
 
 
 def changed(vehicle: Vehicle, **fields: float | Resistance | Traction | Braking | DriveParameters) -> Vehicle:

@@ -30,7 +30,7 @@ from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, ex
 from railjoule.core.motion.mesh import finer_at_stops, line_borders, with_nodes_at
 from railjoule.core.phases.labels import SHORTEST_S
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, cell_at, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, cell_at, limits_at, part_of_cell, shared_by_cells
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -133,7 +133,7 @@ def _drive_cells(
                 last = int(np.searchsorted(position_m, _at_m(orders[k]) - SHORTEST_M))
                 braking = _braking_fraction(mesh, i, last, speed2, _aim2(orders[k]))
             part_left = part_of_cell(cell, left)
-            reach = _reach(mesh, part_left, speed2)
+            reach = _reach(mesh, i, part_left, speed2)
             after, part, switched = _driven(orders[k], reach, left, (x, speed2), switched, braking)
             # the speed is reached within the cell: coasting takes over in the rest of it
             if switched and orders[k].action == "full_power" and begins[k + 1 : k + 2] == [math.inf]:
@@ -235,9 +235,9 @@ def _part_until(entering2: float, leaving2: float, wanted2: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _reach(mesh: MeshData, cell: Cell, speed2: float) -> tuple[float, float, float]:
-    """Return the squares of speed that full braking, coasting and full power lead to."""
-    train, traction, braking, _ = shared_by_cells(mesh)
+def _reach(mesh: MeshData, number: int, cell: Cell, speed2: float) -> tuple[float, float, float]:
+    """Return the squares of speed to which full braking, coasting and full power lead in a part of a numbered cell."""
+    train, traction, braking, _ = limits_at(shared_by_cells(mesh), number)
     return (
         exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE),
         exit_speed2(cell, train, traction, braking, speed2, COAST),
@@ -265,7 +265,7 @@ def _braking_fraction(mesh: MeshData, first: int, last: int, speed2: float, aim2
 def _braked(mesh: MeshData, first: int, last: int, speed2: float, fraction: float) -> float:
     """Return the square of speed after cells under part of full braking; negative where it stands before."""
     for i in range(first, last):
-        low, free, _ = _reach(mesh, cell_at(mesh, i), speed2)
+        low, free, _ = _reach(mesh, i, cell_at(mesh, i), speed2)
         speed2 = free + fraction * (low - free)
         if speed2 <= 0.0:
             # further below zero the earlier it stands, so that bisection sees which of two fractions is larger

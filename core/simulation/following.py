@@ -24,10 +24,10 @@ from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverErro
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, drive
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
-from railjoule.core.physics.mesh_data import data_between
+from railjoule.core.physics.mesh_data import at_place, data_between
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.options import SimulationOptions
-from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
+from railjoule.core.simulation.actual_vehicle import actual_vehicle, actually_loaded, notes_on
 from railjoule.core.simulation.leg import DrivenPlan, make_leg
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.strategies.line_parts import cut_part
@@ -115,10 +115,11 @@ def plan_for(scenario: Scenario) -> Trajectory:
     return run_strategy(plannable_task(scenario), scenario.strategy)
 
 
-def plan_knowing_load(scenario: Scenario, load_factor: float) -> Trajectory | None:
-    """Return the plan with the actual load, or None if there is none."""
-    vehicle = changed(scenario.vehicle, load_factor=load_factor)
-    known = scenario.with_fixed_time().model_copy(update={"vehicle": vehicle})
+def plan_knowing_load(scenario: Scenario, load_factor: float | None = None) -> Trajectory | None:
+    """Return the plan with a load, by default the actual one, or None if there is none."""
+    vehicle = scenario.vehicle
+    loaded = actually_loaded(vehicle, scenario.disturbance) if load_factor is None else vehicle.with_load(load_factor)
+    known = scenario.with_fixed_time().model_copy(update={"vehicle": loaded})
     try:
         return plan_for(known)
     except (InfeasibleLineError, TimetableError, SolverError):
@@ -275,11 +276,12 @@ def _stand_reason(mesh: MeshedLine, node: int) -> str:
     """Return why a train comes to a stand at a node."""
     cell = node - 1
     needed = mesh.gradient_force_n[cell] + mesh.curve_force_n[cell] + mesh.data.resistance_constant_n
-    effort = mesh.data.traction.constant_n * mesh.data.supply_share[cell]
+    needed += mesh.data.starting_n
+    effort = at_place(mesh.data, mesh.data.place[cell]).traction.constant_n * mesh.data.supply_share[cell]
     return (
         f"At {mesh.position_m[node]:.0f} m, on a gradient of {mesh.gradient_permille[cell]:.4g} per mille, the "
         f"train with its actual load comes to a stand: to start there takes {needed / N_PER_KN:.1f} kN, and it pulls "
-        f"with {effort / N_PER_KN:.1f} kN at most. Use a lower disturbance.actual_load_factor or resistance_factor."
+        f"with {effort / N_PER_KN:.1f} kN at most. Use a lower actual load or resistance_factor under disturbance."
     )
 
 

@@ -18,6 +18,7 @@ from railjoule.core.motion import MeshedLine
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION
 from railjoule.core.motion.driving import braking_envelope, drive
 from railjoule.core.motion.passes import slowed_to_reach
+from railjoule.core.physics.place_limits import NO_PLACE
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import BY_HAND, Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -102,9 +103,14 @@ def drive_drawn(scenario: Scenario, mesh: MeshedLine, drawn_ms: FloatArray) -> T
 
 
 def require_drivable(mesh: MeshedLine) -> None:
-    """Raise ScenarioError if a meshed line has neutral sections or stops on the way."""
+    """Raise ScenarioError if a meshed line has neutral sections, stops on the way, or limits of effort by place."""
     if np.any(mesh.data.supply_share < 1) or np.any(mesh.dwell_s > 0):
         raise ScenarioError("A line is driven by hand without neutral sections and without stops on the way.")
+    if np.any(mesh.data.place != NO_PLACE):
+        raise ScenarioError(
+            "A line is driven by hand without limits of traction or rail conditions of a part of it "
+            "(line.traction_limits, line.rail_conditions)."
+        )
 
 
 def read_commands(text: str, cells: int) -> IntArray:

@@ -91,7 +91,7 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
 
 def require_literal(task: Task) -> None:
     """Refuse a task that the literal regulator cannot drive at all; errors as `literal_run`."""
-    require_line_without(task, "neutral_sections")
+    require_line_without(task, "neutral_sections", "traction_limits", "rail_conditions")
     if (task.mesh.data.fixed_speed2[1:-1] == 0.0).any():
         raise StrategyRefusedError(
             "needs a line without stops between its ends for the literal regulator, or a search for each inter-station "

@@ -52,7 +52,9 @@ def phases(task: Task) -> Trajectory:
         If the line has passing points or neutral sections, the phases cannot be driven, or not in this time.
     """
     task.require_timetable()
-    require_line_without(task, "passing_points", "neutral_sections")
+    require_line_without(task, "passing_points", "neutral_sections", "traction_limits", "rail_conditions")
+    if task.mesh.data.starting_n > 0:
+        raise StrategyRefusedError("needs a train without vehicle.resistance.starting_n_per_kn and starting_n.")
     try:
         return _plain_run(task) if _is_plain(task) else _line_run(task)
     except TimetableError as late:
@@ -127,7 +129,7 @@ def _planner(task: Task) -> PhasePlanner:
         If a starting current is given that the drive does not have.
     """
     scenario, mesh = task.scenario, task.mesh
-    vehicle, driven_n = scenario.vehicle, adhesive_weight(scenario).driven_n
+    vehicle, driven_n = scenario.vehicle, adhesive_weight(scenario, scenario.line.rail_condition).driven_n
     if np.isfinite(driven_n):
         # the friction brakes have what adhesion leaves them
         friction_kn = mesh.data.friction_effort_n / N_PER_KN

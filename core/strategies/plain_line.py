@@ -67,16 +67,17 @@ def plain_line(task: Task) -> PlainLine:
     Raises
     ------
     StrategyRefusedError
-        If the run has planned stops, passing points, neutral sections or a lower limit than the vehicle's, or the drive
-        no copper loss.
+        If the run has planned stops, passing points, neutral sections, limits of traction or adhesion by place, or a
+        lower limit of speed than the vehicle's, or the drive no copper loss.
     """
     mesh, scenario, data = task.mesh, task.scenario, task.mesh.data
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends.")
-    require_line_without(task, "passing_points", "neutral_sections")
+    require_line_without(task, "passing_points", "neutral_sections", "traction_limits", "rail_conditions")
     is_limited = np.min(plain_limits_ms(mesh)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
     for is_refused, needs in (
         (is_limited, "line without limits"),
+        (data.starting_n > 0, "train without vehicle.resistance.starting_n_per_kn and starting_n"),
         (data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0, "drive with copper loss"),
         (
             np.ptp(data.resistance_quadratic) > SAME * data.resistance_quadratic[0],
@@ -154,7 +155,7 @@ def _has_braking_curve(mesh: MeshedLine) -> bool:
 
 
 def require_line_without(task: Task, *names: str) -> None:
-    """Raise StrategyRefusedError if a line has any of `passing_points` and `neutral_sections`, whichever are named."""
+    """Raise StrategyRefusedError if a line has any of the tables that are named, such as `passing_points`."""
     for name in names:
         if getattr(task.scenario.line, name):
             raise StrategyRefusedError(f"needs a line without {name.replace('_', ' ')}.")

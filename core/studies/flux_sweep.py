@@ -15,7 +15,12 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.induction.machine import SteadyState, phase_voltage_v, steady_state, torque_constant
 from railjoule.core.drive.induction.traction import flux_current, traction_machines
 from railjoule.core.errors import ScenarioError
-from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
+from railjoule.core.physics.resistance import (
+    resistance_coefficients,
+    running_resistance,
+    starting_resistance,
+    starting_terms,
+)
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH
 
@@ -105,6 +110,7 @@ def sweep_flux(vehicle: Vehicle, speed_ms: float) -> FluxSweep:
     machines = traction_machines(vehicle.drive)
     machine = machines.machine
     effort = running_resistance(*resistance_coefficients(vehicle), speed_ms, speed_ms**2)
+    effort += starting_resistance(*starting_terms(vehicle), speed_ms)
     shaft_nm = effort / (machines.motors * machines.turns_per_metre * machines.gear_efficiency)
     shaft_w = shaft_nm * machines.turns_per_metre * speed_ms
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed_ms

@@ -210,9 +210,9 @@ def draw_dwells(scenario: Scenario) -> FloatArray:
 
 def drawn_scenario(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
     """Return a scenario with values of some `QUANTITIES`; the others do not change."""
-    disturbance = {name: drawn[name] for name in CONDITIONS if name in drawn}
+    disturbance: dict[str, float | None] = {name: drawn[name] for name in CONDITIONS if name in drawn}
     if "load_factor" in disturbance:
-        disturbance["actual_load_factor"] = disturbance.pop("load_factor")
+        disturbance |= {"actual_load_factor": disturbance.pop("load_factor"), "actual_load_t": None}
     values, options = {**planned_values(scenario), **drawn}, scenario.simulation
     measured = {
         "speed_error": values["speed_error"],
@@ -230,7 +230,7 @@ def planned_values(scenario: Scenario) -> dict[str, float]:
     """Return the values of all `QUANTITIES` that the scenario itself has."""
     return {
         **{name: getattr(scenario.disturbance, name) for name in CONDITIONS if name != "load_factor"},
-        "load_factor": scenario.vehicle.load_factor,
+        "load_factor": scenario.vehicle.load_share,
         "speed_error": scenario.simulation.speed_error,
         **dict(zip(SENSOR_ERRORS, scenario.simulation.sensor_errors_m, strict=True)),
     }
@@ -280,7 +280,7 @@ def _max_load(scenario: Scenario) -> float:
     """Return the largest load factor that may be drawn: of full trains, unless more is asked for."""
     load = scenario.montecarlo.load_factor
     named = [getattr(load, name, None) or 0.0 for name in ("value", "mean", "median", "mode", "high")]
-    beyond = max(scenario.vehicle.load_factor, *named) > 1
+    beyond = max(scenario.vehicle.load_share, *named) > 1
     return scenario.vehicle.crush_load_factor if beyond else 1.0
 
 

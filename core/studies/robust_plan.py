@@ -243,7 +243,7 @@ def robust_plan_steps(
     options = scenario.montecarlo
     search = _draw(scenario, max(1, options.runs // CHECK_RATIO), options.seed)
     nominal = plan_for(scenario)
-    first = Candidate(scenario.vehicle.load_factor, 1.0, 0.0, nominal, _follow(nominal, scenario, search, executor))
+    first = Candidate(scenario.vehicle.load_share, 1.0, 0.0, nominal, _follow(nominal, scenario, search, executor))
     found = RobustPlan(scenario, probability, candidates, (first,))
     yield found
     for assumed in _assumptions(found, search, candidates):

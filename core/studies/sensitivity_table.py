@@ -91,7 +91,7 @@ def sensitivity_steps(
     attributes = {
         "title": scenario.title,
         "strategy": scenario.strategy,
-        "planned_load_factor": scenario.vehicle.load_factor,
+        "planned_load_factor": scenario.vehicle.load_share,
         "planned_energy_kwh": planned_kwh,
         "both_directions": int(both_directions),
         "knows": knows,
@@ -144,7 +144,8 @@ def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows)
         complete = len(own) == len(directions)
         replanned = sum(plan.energy_kwh for plan in own) if complete else np.nan
         followed = plans if knows in {"nothing", "place"} else own if complete else []
-        update = {"actual_load_factor": load, "coordinate_error_m": 0.0 if knows in {"place", "both"} else error_m}
+        place_m = 0.0 if knows in {"place", "both"} else error_m
+        update = {"actual_load_factor": load, "actual_load_t": None, "coordinate_error_m": place_m}
         try:
             actual = [
                 one.model_copy(update={"disturbance": one.disturbance.model_copy(update=update)}) for one in directions

@@ -21,7 +21,13 @@ import scipy
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.physics.adhesion import adhesive_weight
-from railjoule.core.physics.resistance import resistance_coefficients, resistance_slope, running_resistance
+from railjoule.core.physics.resistance import (
+    resistance_coefficients,
+    resistance_slope,
+    running_resistance,
+    starting_resistance,
+    starting_terms,
+)
 from railjoule.core.physics.vehicle_limit import vehicle_limit_n
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import ConstantEfficiency
@@ -136,7 +142,7 @@ def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, .
     vehicle, price = scenario.vehicle, steady.price_of_time_w
     level = steady.driving_adjoint * _resistance_n(scenario, steady.highest_ms) + price / steady.highest_ms
     up = np.linspace(SLOWEST_MS, steady.highest_ms, POINTS)
-    driven_n = adhesive_weight(scenario).driven_n
+    driven_n = adhesive_weight(scenario, scenario.line.rail_condition).driven_n
     effort = vehicle_limit_n(vehicle, up, driven_n=driven_n)
     # p from the first integral, p (f - R) = P / v + m / v - level, with P = f v / e
     full = (steady.driving_adjoint * effort + price / up - level) / (effort - _resistance_n(scenario, up))
@@ -155,4 +161,5 @@ def _coefficients(scenario: Scenario) -> tuple[float, float, float]:
 
 def _resistance_n(scenario: Scenario, speed_ms: FloatArray | float) -> FloatArray:
     speed = np.asarray(speed_ms, dtype=float)
-    return running_resistance(*_coefficients(scenario), speed, np.square(speed))
+    starting = starting_resistance(*starting_terms(scenario.vehicle), speed)
+    return np.asarray(running_resistance(*_coefficients(scenario), speed, np.square(speed)) + starting)

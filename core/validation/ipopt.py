@@ -24,6 +24,7 @@ from railjoule.core.interior_point.start import SLOWEST_SPEED2, start_speeds
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit
 from railjoule.core.physics.mesh_data import all_cells
+from railjoule.core.physics.place_limits import NO_PLACE
 from railjoule.core.task import Task
 
 # Formulas that are plain arithmetic take symbols as they are. Induction and map drives search or look up, which CasADi
@@ -101,6 +102,8 @@ class IpoptProblem:
             raise SolverError("IPOPT needs CasADi: pip install casadi.")
         if not is_known(task):
             raise SolverError("this drive has no symbolic formula for IPOPT, because it searches for its flux.")
+        if np.any(task.mesh.data.place != NO_PLACE):
+            raise SolverError("IPOPT's program has no limits by place (line.traction_limits, line.rail_conditions).")
         self._task, self._casadi = task, importlib.import_module("casadi")
         self._data, self._scale = task.mesh.data, task.mesh.data.traction.constant_n
         # prescribed speeds are numbers in the program and no variables with equal bounds, which have no inside

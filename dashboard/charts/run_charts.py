@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from railjoule.core import Trajectory
-from railjoule.core.arrays import FloatArray
-from railjoule.core.motion.line_profile import height_profile, section_borders
-from railjoule.core.physics.adhesion import driven_adhesion_n
-from railjoule.core.units import N_PER_KN
+from railjoule.core.arrays import FloatArray, midpoints
+from railjoule.core.motion.line_profile import height_profile, largest_current_a, section_borders
+from railjoule.core.motion.meshed_line import driven_adhesion_n
+from railjoule.core.units import N_PER_KN, W_PER_KW
 from railjoule.dashboard.charts.axis import columns, nice_range, xy
 from railjoule.dashboard.charts.chart import Layer, axis_line, no_grid, zero_line
 from railjoule.dashboard.charts.dress import text_style
@@ -283,13 +283,15 @@ class EffortChart(RunChart):
         self._draw_adhesion(scene)
 
     def _draw_adhesion(self, scene: RunScene) -> None:
-        run, condition = scene.run, scene.run.scenario.line.rail_condition
-        if condition is None:
+        run = scene.run
+        adhesion_n = driven_adhesion_n(run.scenario, run.position_m, run.speed_ms)
+        if adhesion_n is None:
             self.rename(EFFORT.words)
             self.clear("adhesion")
             return
-        self.rename(f"{EFFORT.words}; dashed: adhesion on {condition} rails")
-        places, most = scene.x(run), driven_adhesion_n(run.scenario, run.speed_ms) / N_PER_KN
+        conditions = " and ".join(sorted(filter(None, run.scenario.line.all_rail_conditions)))
+        self.rename(f"{EFFORT.words}; dashed: adhesion on {conditions} rails")
+        places, most = scene.x(run), adhesion_n / N_PER_KN
         # one line with a gap between its two sides
         self.put("adhesion", x=[*places, np.nan, *places], y=[*most, np.nan, *-most])
 
@@ -298,6 +300,7 @@ class SupplyChart(RunChart):
     """Current or power at the supply, with the x axis of all charts above it."""
 
     quantity, title = MOTOR_CURRENT, "Current or power from the supply"
+    above = (methodcaller("line", "largest_current", "limit", line_width=1, line_dash=[6, 3]),)
     look: Mapping[str, Any] = {**IN_CELLS, "last": True}
 
     @staticmethod
@@ -322,6 +325,23 @@ class SupplyChart(RunChart):
         self.figure.yaxis[0].formatter.args = {"digits": 1 if self.quantity.unit == POWER.unit else 0}
         self.rename(f"{self.quantity.words}{at}")
         super().draw(scene)
+        self._draw_largest_current(scene)
+
+    def _draw_largest_current(self, scene: RunScene) -> None:
+        """Draw the largest current from the supply where the line limits it, as a power in a chart of power."""
+        run, line = scene.run, scene.run.scenario.line.in_running_order()
+        if self.quantity.unit == MOTOR_CURRENT.unit and run.current_a is not None:
+            # the limit is none of a motor
+            self.clear("largest_current")
+            return
+        # between a cell's ends it is constant: each end twice, and a gap where there is no limit
+        largest = np.repeat(largest_current_a(line, midpoints(run.position_m)), 2)
+        largest = np.where(np.isfinite(largest), largest, np.nan)
+        if self.quantity.unit == POWER.unit:
+            largest = largest * (run.scenario.vehicle.line_voltage_v or np.nan) / W_PER_KW
+        self.put("largest_current", **xy(np.repeat(scene.x(run), 2)[1:-1], largest))
+        if np.isfinite(largest).any():
+            self.rename(f"{self.caption}; dashed: limit of the line")
 
 
 class CurrentChart(SupplyChart):

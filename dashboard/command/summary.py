@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from railjoule.core import CheckResult, Comparison, Phase, Trajectory
 from railjoule.core.lower_bound import Bound
 from railjoule.core.measures import measure
+from railjoule.core.scenario.vehicle import KG_PER_T
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 from railjoule.dashboard.look import side_by_side, words
 from railjoule.dashboard.work.simple_advice import first_told
@@ -62,7 +63,8 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     return {
         "title": trajectory.scenario.title,
         "strategy": trajectory.strategy,
-        "load_factor": trajectory.scenario.vehicle.load_factor,
+        "load_factor": trajectory.scenario.vehicle.load_share,
+        "load_t": trajectory.scenario.vehicle.load_mass_kg / KG_PER_T,
         "energy_kwh": trajectory.energy_kwh,
         "traction_energy_kwh": energy.traction_j / J_PER_KWH,
         "recuperated_kwh": energy.recuperated_j / J_PER_KWH,

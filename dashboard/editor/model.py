@@ -187,7 +187,7 @@ class EditorModel(param.Parameterized):
     def _keys_under(self, tables: Sequence[str]) -> list[str]:
         beginnings = tuple(f"{table}." for table in tables)
         # they have fields in the sidebar, and stay as they are set there
-        sliders = {"vehicle.load_factor", "drive.recuperation_factor"}
+        sliders = {"vehicle.load_factor", "vehicle.load_t", "drive.recuperation_factor"}
         changes = self.scenario.changes
         return [key for key in changes if key in tables or (key.startswith(beginnings) and key not in sliders)]
 

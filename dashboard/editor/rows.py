@@ -132,6 +132,8 @@ def first_rows(table: str, scenario: Scenario) -> list[Row]:
     rows: Mapping[str, list[Row]] = {
         "line.speed_limits": [stretch],
         "line.neutral_sections": [{"from_m": middle, "to_m": round(min(middle + FIRST_NEUTRAL_M, length), 1)}],
+        "line.traction_limits": [{"from_m": stretch["from_m"], "to_m": stretch["to_m"], "effort_factor": 0.8}],
+        "line.rail_conditions": [{"from_m": stretch["from_m"], "to_m": stretch["to_m"], "condition": "wet"}],
         "line.passing_points": [_first_passing_point(scenario)],
         "line.stations": [{"name": "Station", "position_m": middle, "dwell_s": FIRST_STOP_S}],
         "disturbance.stops": [{"position_m": middle, "duration_s": FIRST_STOP_S}],

@@ -72,6 +72,7 @@ SCENARIO_FIELDS = (
     "edits",
     "travel_time_s",
     "load_percent",
+    "load_t",
     "recuperation_percent",
     "acceleration_time_s",
 )

@@ -15,6 +15,7 @@ WHOLES = ("vehicle", "line")
 QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "timetable.travel_time_s": ("travel time", lambda s: f"{words.time(s)} s"),
     "vehicle.load_factor": ("load", lambda share: f"{words.setting(share)} %"),
+    "vehicle.load_t": ("load", lambda tonnes: "by its share" if tonnes is None else f"{words.setting(tonnes / 100)} t"),
     "vehicle.drive.recuperation_factor": ("recuperation", lambda share: f"{words.setting(share)} %"),
     "enoc.acceleration_time_s": ("ENOC\u2019s acceleration time", lambda s: f"{words.time(s)} s"),
     "line.reverse": ("run in reverse", lambda on: "yes" if on else "no"),

@@ -15,6 +15,9 @@ NAMES = {
     "no_load_loss": "no-load loss",
     "limits_hold_for": "speed limits hold for",
     "gradient_at": "gradient acts on",
+    "max_load": "freight capacity",
+    "starting": "starting resistance",
+    "starting_ends_at": "starting resistance ends at",
     "stop_deceleration": "braking rate",
 }
 """Names of fields whose keys do not read well."""

@@ -15,6 +15,7 @@ from railjoule.core import RailjouleError, ScenarioError, TimetableError
 from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
+from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.strategy import STRATEGIES
 from railjoule.core.trajectory import BY_HAND, MEASURED
@@ -220,9 +221,14 @@ def title(given: str) -> str:
     return given or "Untitled scenario"
 
 
-def subtitle(distance_m: float, vehicle: str, load_factor: float) -> str:
+def vehicle_load(vehicle: Vehicle) -> str:
+    """Return the load of a vehicle in words: a share of the capacity or a mass."""
+    return load(vehicle.load_factor) if vehicle.load_t is None else f"load {setting(vehicle.load_t / 100)} t"
+
+
+def subtitle(distance_m: float, vehicle: Vehicle) -> str:
     """Return the line below a scenario's title: length of the track, vehicle and load."""
-    return f"{distance(distance_m)} km, {vehicle}, {load(load_factor)}"
+    return f"{distance(distance_m)} km, {vehicle.name}, {vehicle_load(vehicle)}"
 
 
 def about(strategy: str, sentence: str) -> str:

@@ -49,7 +49,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     }
     return frame().render(
         title=words.title(scenario.title),
-        subtitle=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),
+        subtitle=words.subtitle(run.distance_m, scenario.vehicle),
         made_at=f"{made_at.day} {made_at:%B %Y}, {made_at:%H:%M} {made_at:%Z}".strip(),
         css=Markup(report_css()),
         contents=findings.contents,

@@ -23,8 +23,8 @@ PARTS = {
     "adhesion": "Adhesion",
     "drive": "Powertrain",
 }
-OF_LINE = ("limits_hold_for", "head_wind_kmh", "rail_condition")
-LISTS = ("speed_limits", "neutral_sections", "stations", "passing_points")
+OF_LINE = ("limits_hold_for", "limit_margin_m", "head_wind_kmh", "rail_condition")
+LISTS = ("speed_limits", "neutral_sections", "traction_limits", "rail_conditions", "stations", "passing_points")
 EVENTS = ("stops", "speed_limits", "voltage_changes", "recuperation_changes")
 
 

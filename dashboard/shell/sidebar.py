@@ -10,6 +10,7 @@ from panel.viewable import Viewable
 from railjoule.core import RailjouleError
 from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario
+from railjoule.core.scenario.line import Stretch
 from railjoule.dashboard.browser import Browser, one_message, unfrozen
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
@@ -81,10 +82,13 @@ class Sidebar:
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.changes = Changes(state, browser)
+        self.load = LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"])
+        self.load_t = NumberField(scenario, "load_t")
         self.plan = stack(
             html_pane(PLAN),
             self.travel_time,
-            LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"]),
+            self.load,
+            self.load_t,
             NumberField(scenario, "recuperation_percent"),
         )
         self.view = stack(
@@ -165,7 +169,9 @@ class Sidebar:
         self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
 
     def _describe(self, *_: Any) -> None:
-        """Name the vehicle and describe the line."""
+        """Name the vehicle, show its load in its own unit, and describe the line."""
+        in_tonnes = self.state.scenario.loads_in_tonnes
+        self.load.visible, self.load_t.visible = not in_tonnes, in_tonnes
         self.line.object = markup(
             '<div class="section">Vehicle <span>\u00b7 {}</span></div><div class="section">Track</div>{}'
             '<hr class="rule">',
@@ -278,6 +284,12 @@ def line_rows(state: Workbench) -> Markup:
             *(f"{value:g}" for value in (limit.limit_kmh, limit.from_m, limit.to_m)),
         )
         for limit in line.speed_limits
+    ]
+    restricted: list[tuple[str, Stretch]] = [("Traction limit", one) for one in line.traction_limits]
+    restricted += [(f"{one.condition.capitalize()} rails", one) for one in line.rail_conditions]
+    rows += [
+        markup('<div class="row"><span>{}</span><span>{:g}\u2013{:g} m</span></div>', name, one.from_m, one.to_m)
+        for name, one in restricted
     ]
     rows += [
         markup(

@@ -20,6 +20,7 @@ from railjoule.dashboard.limits import LONGEST_TEXT
 FIELD_KEYS = {
     "timetable.travel_time_s": "travel_time_s",
     "vehicle.load_factor": "load_percent",
+    "vehicle.load_t": "load_t",
     "drive.recuperation_factor": "recuperation_percent",
     "enoc.acceleration_time_s": "acceleration_time_s",
 }
@@ -90,6 +91,7 @@ class ScenarioDraft:
         edited, now = self.edited, self.sliders
         values = {
             "vehicle.load_factor": (_fraction(now["load_percent"]), edited.vehicle.load_factor),
+            "vehicle.load_t": (now["load_t"], edited.vehicle.load_t),
             "drive.recuperation_factor": (
                 _fraction(now["recuperation_percent"]),
                 edited.vehicle.drive.recuperation_factor,

@@ -110,7 +110,7 @@ class KeptPin(Kept):
 def pin_name(run: Trajectory) -> str:
     """Return the name of a pin until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
     strategy, vehicle = words.strategy(run.strategy), run.scenario.vehicle
-    load = words.load(vehicle.load_factor)
+    load = words.vehicle_load(vehicle)
     recuperation = words.setting(vehicle.drive.recuperation_factor)
     return f"{strategy}, {words.time(run.travel_time_s)} s, {load}, recuperation {recuperation} %"
 

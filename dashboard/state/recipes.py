@@ -267,12 +267,12 @@ def _is_as_planned(state: "Workbench", changes: Mapping[str, Any]) -> bool:
     load = changes.get("disturbance.actual_load_factor", day.actual_load_factor)
     return (
         not state.day.events
-        and load in {None, state.scenario.load_percent / 100}
+        and load in {None, state.scenario.planned_load_percent / 100}
         and changes.get("disturbance.coordinate_error_m", day.coordinate_error_m) == 0
         and changes.get("simulation.speed_error", measured.speed_error) == 0
         and not any(changes.get("simulation.sensor_errors_m", measured.sensor_errors_m) or ())
         and day.resistance_factor == day.line_voltage_factor == 1
-        and day.rail_condition in {None, state.scenario.edited.line.rail_condition}
+        and (day.rail_condition is None or state.scenario.edited.line.all_rail_conditions == {day.rail_condition})
     )
 
 

@@ -11,13 +11,13 @@ from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.drive import DriveParameters
 from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.scenario.scenario import Timetable
-from railjoule.core.scenario.vehicle import Vehicle
+from railjoule.core.scenario.vehicle import KG_PER_T, Vehicle
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, open_scenario, shipped
 from railjoule.dashboard.state.numbers import TypedParameters, keyed
 
 FIRST_SCENARIO = "metro-with-limit"
-PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
+PLAN_FIELDS = ("travel_time_s", "load_percent", "load_t", "recuperation_percent", "edits")
 """Fields that every plan depends on."""
 RUN_FIELDS = (*PLAN_FIELDS, "acceleration_time_s")
 """Fields that the runs of all strategies depend on: ENOC's has a field of its own."""
@@ -51,6 +51,7 @@ class ScenarioModel(TypedParameters):
 
     kept = ("preset", "toml", *FIELD_KEYS.values(), "edits")
     passing = ("travel_time_range_s",)
+    may_be_empty = ("load_t",)
 
     preset = param.Selector(default=FIRST_SCENARIO, objects=list(preset_names("scenarios")), doc="Shipped scenario.")
     opened = param.ClassSelector(class_=Scenario, default=None, allow_None=True, doc="The scenario of a file.")
@@ -58,6 +59,7 @@ class ScenarioModel(TypedParameters):
     travel_time_s = keyed(Timetable, "travel_time_s", "Travel time", "s", 1, default=100.0, step=0.5)
     # the bound of every vehicle; `parse` and `lay` hold it to the crush load of the one that is there
     load_percent = keyed(Vehicle, "load_factor", "Load, % of capacity", "%", scale=100, step=1)
+    load_t = keyed(Vehicle, "load_t", "Load", "t", 1, allow_None=True)
     recuperation_percent = keyed(
         DriveParameters, "recuperation_factor", "Recuperation", "%", scale=100, softbounds=(0, 100), step=1
     )
@@ -217,6 +219,7 @@ class ScenarioModel(TypedParameters):
             # to a tenth, as `ScenarioDraft.changes` compares it: any more digits would count as a change
             travel_time_s=round(scenario.travel_time_s, 1),
             load_percent=100 * scenario.vehicle.load_factor,
+            load_t=scenario.vehicle.load_t,
             recuperation_percent=100 * scenario.vehicle.drive.recuperation_factor,
             acceleration_time_s=scenario.enoc.acceleration_time_s,
         )
@@ -267,9 +270,24 @@ class ScenarioModel(TypedParameters):
         # 100 times a factor is rarely round in binary, and a sentence would read 110.00000000000001
         return float(round(100 * self.edited.vehicle.crush_load_factor, 6))
 
+    @property
+    def loads_in_tonnes(self) -> bool:
+        """Whether the load is shown in tonnes: a vehicle for freight, unless its file gives a share."""
+        vehicle = self.edited.vehicle
+        return vehicle.load_t is not None or (vehicle.capacity_passengers == 0 and vehicle.load_factor == 0)
+
+    @property
+    def planned_load_percent(self) -> float:
+        """The planned load, % of capacity, however it is given."""
+        return self.load_percent if self.load_t is None else float(round(100 * self.scenario().vehicle.load_share, 6))
+
     def parse(self, field: str, text: str) -> float:
         """Return the number that a text gives for a field; the load has the bound of the vehicle."""
         number = super().parse(field, text)
+        vehicle = self.edited.vehicle
+        most_t = vehicle.crush_load_factor * vehicle.capacity_kg / KG_PER_T
+        if field == "load_t" and vehicle.has_capacity and number > most_t:
+            raise ValueError(f"At most {most_t:g}, what the vehicle can carry.")
         if field == "load_percent" and number > self.most_load_percent:
             raise ValueError(f"At most {self.most_load_percent:g}, the vehicle's crush load.")
         return number

@@ -51,16 +51,18 @@ class SecondScenario:
             return first.replace({"timetable.travel_time_s": self.time_s})
         if self.kind == SCENARIO:
             return named_scenario(self.source)
-        # as the first train: the share of its capacity, what the supply takes back, and the time
+        # as the first train: the share of its capacity, the share that the supply takes back, and the time
         kept = {
-            "vehicle.load_factor": first.vehicle.load_factor,
             "drive.recuperation_factor": first.vehicle.drive.recuperation_factor,
             "timetable.travel_time_s": first.travel_time_s,
         }
         train: object = {"preset": self.source}
         if self.source not in preset_names("vehicles"):
             train = named_scenario(self.source).vehicle.model_dump(mode="json", exclude_none=True)
-        return first.replace({"vehicle": train, "drive": None, **kept})
+        second = first.replace({"vehicle": train, "drive": None, **kept})
+        if not second.vehicle.has_capacity:
+            return second
+        return second.replace({"vehicle.load_factor": first.vehicle.load_share})
 
 
 @dataclass(frozen=True, eq=False)

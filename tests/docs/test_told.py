@@ -14,9 +14,11 @@ from validated import validate_once
 
 from railjoule.core import solve
 from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
+from railjoule.core.scenario.document import merged
 from railjoule.dashboard.command.arguments import FORMATS
 from railjoule.dashboard.command.cli import OK, main
 from railjoule.dashboard.page_list import PAGES
+from tests.builders import PLAIN
 
 COMMANDS_PAGE = text_of("howto/commands")
 COMMANDS = [line for block in blocks(COMMANDS_PAGE, "sh") for line in block.splitlines()]
@@ -26,7 +28,9 @@ SHOWN_OUTPUT = {
     if (first.kind, second.kind) == ("sh", "text")
 }
 """Output that the page shows, by the first command of the block above it; an ellipsis stands for any text."""
-(SCENARIO,) = blocks(text_of("howto/scenario"), "toml")
+SCENARIO, *OTHERS = blocks(text_of("howto/scenario"), "toml")
+PARTS = [text for text in OTHERS if "[timetable]" not in text and "[line]" not in text]
+"""Blocks that show only parts of a vehicle."""
 
 
 def test_notebook_example_draws_what_is_told():
@@ -53,6 +57,14 @@ def test_scenario_example_is_valid(folder):
     scenario = load_scenario(folder / "metro.toml")
     assert scenario.vehicle.preset == "metro-81-7036"
     assert scenario.line.stations[0].dwell_s == 25
+
+
+@pytest.mark.parametrize("text", PARTS)
+def test_parts_of_a_vehicle_are_read_over_another(text):
+    vehicle = tomllib.loads(text)
+    scenario = scenario_from_document(merged(PLAIN, vehicle))
+    assert scenario != scenario_from_document(PLAIN)
+    assert solve(scenario, "fastest").travel_time_s > 0
 
 
 def test_vehicle_and_line_that_are_added_make_a_scenario():

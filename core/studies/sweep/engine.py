@@ -47,7 +47,9 @@ SPARES_BOTH = (
     "vehicle.tare_kg",
     "vehicle.capacity_passengers",
     "vehicle.passenger_mass_kg",
+    "vehicle.max_load_t",
     "vehicle.load_factor",
+    "vehicle.load_t",
     "vehicle.rotating_mass_factor",
     "vehicle.inertial_mass_kg",
     "vehicle.auxiliary_power_kw",
@@ -158,8 +160,10 @@ class Engine:
         names = [".".join(field.path) for field in study.fields]
         self._keeps_line = all(name.startswith(SPARES_LINE) for name in names)
         # limits by adhesion depend on the mass
-        by_adhesion = study.scenario.line.rail_condition is not None
-        self._keeps_limits = not by_adhesion and all(name.startswith(SPARES_LIMITS) for name in names)
+        line = study.scenario.line
+        # and those by place on recuperation factor and auxiliaries
+        by_place = line.all_rail_conditions != {None} or bool(line.traction_limits)
+        self._keeps_limits = not by_place and all(name.startswith(SPARES_LIMITS) for name in names)
         # several threads may find neither and compute both, with equal results
         self._kept: MeshedLineParts | None = None
         self._windows: bool | None = None
@@ -193,9 +197,9 @@ class Engine:
         if kept is not None and self._keeps_limits:
             # no limit depends on the recuperation factor
             drive = replace(kept.drive, recuperation_factor=scenario.vehicle.drive.recuperation_factor)
-            return MeshedLineParts(line, drive, kept.traction, kept.braking)
+            return kept._replace(line=line, drive=drive)
         drive = build_drive(scenario)
-        parts = MeshedLineParts(line, drive, *build_limits(scenario, drive))
+        parts = MeshedLineParts(line, drive, *build_limits(scenario, line, drive))
         self._kept = kept or parts
         return parts
 

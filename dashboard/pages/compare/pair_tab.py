@@ -108,9 +108,9 @@ class PairTab(Page):
             margin=(0, 0, 12, 0),
             sizing_mode="stretch_width",
         )
-        self.pair_columns = parts.stack(
-            *(self.host.plots[plot.name].host for plot in PAIR_PLOTS), css=COLUMNS_CSS, visible=False
-        )
+        # the grid's own display would show it although it is not visible
+        columns = parts.stack(*(self.host.plots[plot.name].host for plot in PAIR_PLOTS), css=COLUMNS_CSS)
+        self.pair_columns = parts.stack(columns, visible=False)
         self.desk.files.look()
         return parts.stack(
             tools, self.second_time, self.pair_figures, self.pair_words, self.pair_columns, self.pair_table

@@ -44,7 +44,7 @@ def driver_card(run: Trajectory, note: str = "") -> str:
     rows = max(len(texts) if len(texts) <= COLUMN_LINES else (len(texts) + 1) // 2, len(stops))
     return _template().render(
         title=words.title(scenario.title),
-        train=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),
+        train=words.subtitle(run.distance_m, scenario.vehicle),
         departure=clock(0.0),
         arrival=clock(run.travel_time_s),
         instructions=list(zip(starts, texts, strict=True)),

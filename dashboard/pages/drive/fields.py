@@ -54,7 +54,7 @@ class ActualFields:
         self.view = stack(self.switch, self.body)
         tie(self.switch, day, "on")
         day.param.watch(self._unfold, "on")
-        state.scenario.param.watch(self._mark_planned, "load_percent")
+        state.scenario.param.watch(self._mark_planned, ["load_percent", "load_t"])
         day.param.watch(self._list, ["events", "changed"])
         self._listed: list[EventModel] = []
         self._mark_planned()
@@ -64,7 +64,7 @@ class ActualFields:
         self.body.visible = self.day.on
 
     def _mark_planned(self, *_: Any) -> None:
-        self.load.tick = self.state.scenario.load_percent
+        self.load.tick = self.state.scenario.planned_load_percent
 
     def _list(self, *_: Any) -> None:
         events = self.day.events

@@ -502,7 +502,7 @@ class Drive(Page):
 
     def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
         vehicle = run.scenario.vehicle
-        subtitle = words.subtitle(run.distance_m, vehicle.name, vehicle.load_factor)
+        subtitle = words.subtitle(run.distance_m, vehicle)
         self.host.heading.object = parts.heading(self.page, run.scenario.title, subtitle, "")
         self.causes.visible = actual is not None
         if actual is not None:

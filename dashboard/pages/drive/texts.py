@@ -9,6 +9,7 @@ from railjoule.core import Trajectory
 from railjoule.core.bounds import ProofStep
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
+from railjoule.core.simulation.actual_vehicle import actually_loaded
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.pages.drive.compute import Answer
@@ -45,8 +46,8 @@ def is_same_plan(actual: ActualRun, run: Trajectory) -> bool:
 def cause_words(cause: Cause, scenario: Scenario) -> str:
     """Return what a cause is called: which way the load differs, how many stops there are."""
     disturbance = scenario.disturbance
-    if cause.name == "load" and disturbance.actual_load_factor is not None:
-        heavier = disturbance.actual_load_factor > scenario.vehicle.load_factor
+    if cause.name == "load" and disturbance.has_load:
+        heavier = actually_loaded(scenario.vehicle, disturbance).load_mass_kg > scenario.vehicle.load_mass_kg
         return "Heavier than planned" if heavier else "Lighter than planned"
     if cause.name == "stops" and len(disturbance.stops) == 1:
         return "Unplanned stop"

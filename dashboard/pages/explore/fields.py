@@ -13,9 +13,10 @@ GROUPS = ("timetable", "vehicle", "drive", "line")
 """Tables of a file on whose numbers a plan depends, those within them included."""
 MOST_VARIED = 8
 TRAVEL_TIME = "timetable.travel_time_s"
+LOAD_SHARE, LOAD_T = "vehicle.load_factor", "vehicle.load_t"
 FIRST_VARIED = (
     TRAVEL_TIME,
-    "vehicle.load_factor",
+    LOAD_SHARE,
     "drive.recuperation_factor",
     "vehicle.auxiliary_power_kw",
     "line.head_wind_kmh",
@@ -168,4 +169,6 @@ def held_at(scenario: Scenario, path: str) -> Any:
 def first_ranges(scenario: Scenario) -> dict[str, list[float]]:
     """Return what a study of a scenario varies at first, each between two numbers."""
     known = fields_that_vary(scenario)
-    return {path: list(known[path].first_range) for path in FIRST_VARIED if path in known}
+    # of a load in tonnes there may be no share
+    varied = (LOAD_T if path == LOAD_SHARE and LOAD_T in known else path for path in FIRST_VARIED)
+    return {path: list(known[path].first_range) for path in varied if path in known}

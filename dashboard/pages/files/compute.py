@@ -248,7 +248,7 @@ def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
     vehicle = imported.document["vehicle"]
     if not imported.vehicle.capacity_passengers * imported.vehicle.passenger_mass_kg:
         return {"vehicle": vehicle}
-    load = min(base.vehicle.load_factor, imported.vehicle.crush_load_factor)
+    load = min(base.vehicle.load_share, imported.vehicle.crush_load_factor)
     return {"vehicle": {**vehicle, "load_factor": load}}
 
 

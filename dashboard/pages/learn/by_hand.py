@@ -111,6 +111,8 @@ def mesh_arrays(mesh: MeshedLine) -> dict[str, Any]:
     require_drivable(mesh)
     if data.drive_kind != CONSTANT_EFFICIENCY:
         raise ScenarioError("The lesson needs a drive with a constant efficiency.")
+    if data.starting_n > 0:
+        raise ScenarioError("The lesson needs a train without starting resistance.")
     return {
         "position": mesh.position_m.tolist(),
         "length": data.cell_length_m.tolist(),

@@ -70,8 +70,7 @@ def compute_reality(conditions: Conditions) -> Reality:
     scenario = conditions.actual()
     with named_refusals(scenario):
         following = follow(plan_for(scenario), scenario)
-    load = scenario.disturbance.actual_load_factor
-    known = following.planned if load is None else plan_knowing_load(scenario, load)
+    known = plan_knowing_load(scenario) if scenario.disturbance.has_load else following.planned
     return Reality(following, None if known is None else known.energy_kwh, _energy_at_equal_arrival(following))
 
 
@@ -81,8 +80,7 @@ def _energy_at_equal_arrival(following: Following) -> float | None:
     # a window of arrival at the last station may be over by then
     if scenario.travel_time_s < time_s:
         return None
-    load = scenario.disturbance.actual_load_factor
-    equal = plan_knowing_load(scenario, scenario.vehicle.load_factor if load is None else load)
+    equal = plan_knowing_load(scenario)
     return None if equal is None else equal.energy_kwh
 
 

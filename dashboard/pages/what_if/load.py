@@ -77,7 +77,7 @@ class LoadTab(Page):
 
     @study("reality", *CHANCE, into="stops", tab=LOAD)
     def _stops(self) -> Request:
-        planned_load = {"disturbance.actual_load_factor": self.desk.scenario.load_percent / 100}
+        planned_load = {"disturbance.actual_load_factor": self.desk.scenario.planned_load_percent / 100}
         draws = {**self.desk.day.chance_changes(PREVIEW_RUNS), **NOTHING_WRONG, **planned_load}
         return self.reality and (compute_stops, conditions(self.desk, draws))
 

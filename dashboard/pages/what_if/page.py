@@ -98,5 +98,5 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
         differs = "actual load and position differ" if self.tab == LOAD else "the actual run is drawn at random"
         return (
             f"{words.distance(scenario.line.length_m)} km in {words.time(scenario.travel_time_s)} s, planned at "
-            f"{words.setting(scenario.vehicle.load_factor)} % load{braking}; {differs}"
+            f"{words.vehicle_load(scenario.vehicle)}{braking}; {differs}"
         )

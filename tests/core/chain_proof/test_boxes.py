@@ -71,7 +71,7 @@ def test_steps_lie_above_the_planes_of_their_boxes(case):
         steps, row = cell_motion(data, i), np.empty(COLUMNS)
         w = rng.uniform(lowest[i], greatest[i])
         force = rng.uniform(-1.3, 1.0) * data.traction.constant_n
-        y = (force + steps.k0 * w - steps.constant_n - steps.linear * math.sqrt(w)) / steps.k1
+        y = (force + steps.k0 * w - steps.least_n - steps.linear * math.sqrt(w)) / steps.k1
         if rng.random() < 0.3:
             # coasting, but for rounding
             y = exit_speed2(cell_at(data, i), train_data(data), data.traction, data.braking, w, COAST)

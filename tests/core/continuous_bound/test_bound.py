@@ -8,9 +8,11 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.bounds import minimise
 from railjoule.core.continuous_bound.bound import continuous_bound, piece_shares, sum_of_ends, tabulate_drive
+from railjoule.core.continuous_bound.drive_rows import rows_at
 from railjoule.core.continuous_bound.hamiltonian import min_hamiltonian, strip_bends
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.physics.effort_limit import max_effort
+from railjoule.core.physics.place_limits import NO_PLACE
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH
@@ -48,7 +50,7 @@ def brute_force(mesh, place, speeds, shares):
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_least_hamiltonian_is_that_of_a_grid_from_below(drive):
     mesh = prepare_task(train(drive, 15.0)).mesh
-    rows, rng = tabulate_drive(mesh), np.random.default_rng(7)
+    rows, rng = rows_at(tabulate_drive(mesh), NO_PLACE), np.random.default_rng(7)
     bend, fastest = strip_bends(rows.speed_ms), rows.speed_ms[-1]
     speeds = np.union1d(np.geomspace(0.01, fastest, 150), np.linspace(0.1, fastest, 300))
     shares = np.linspace(0.0, 1.0, 121) ** 1.5

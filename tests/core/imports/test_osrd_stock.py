@@ -90,9 +90,9 @@ def test_the_braking_of_older_versions():
 
 def test_a_step_of_the_effort_is_told():
     vehicle = stock_of(effort_curves=curves_with(speeds=[0, 10, 10, 40], max_efforts=[2e5, 2e5, 1e5, 5e4]))
-    assert vehicle.vehicle.traction.curve == ((0, 200), (36, 100), (144, 50))
+    assert vehicle.vehicle.traction.curve == ((0, 200), (36, 200), (36, 100), (144, 50))
     assert told(vehicle, "reading") == [
-        "stock.json: effort_curves.modes.25000V.default_curve: 1 step of the effort: that beyond counts."
+        "stock.json: effort_curves.modes.25000V.default_curve: 1 step of the effort, at which the lower one holds."
     ]
 
 
@@ -111,7 +111,7 @@ def test_a_step_of_the_effort_is_told():
         ),
         (
             {"effort_curves": curves_with(speeds=[10, 0], max_efforts=[2e5, 1e5])},
-            "stock.json: vehicle.traction.curve must have rising speeds.",
+            "stock.json: vehicle.traction.curve must have rising speeds; two points at the same speed are a step.",
         ),
         (
             {"rolling_resistance": {"type": "strahl", "A": 1, "B": 1, "C": 1}},

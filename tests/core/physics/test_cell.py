@@ -15,6 +15,7 @@ from railjoule.core.physics.cell import (
 )
 from railjoule.core.physics.mesh_data import part_of_cell
 
+NUMBERS = st.floats(0, 2e4), st.floats(0.5, 30)
 cells = st.builds(
     Cell,
     st.floats(1, 100),
@@ -23,7 +24,10 @@ cells = st.builds(
     st.floats(0, 500),
     st.floats(0, 50),
     st.just(1.0),
+    st.just(0.0),
+    st.just(1.0),
 )
+starting = st.builds(lambda cell, force, ends: cell._replace(starting_n=force, starting_ends_ms=ends), cells, *NUMBERS)
 squares = st.floats(1.0, 900.0)
 
 
@@ -40,10 +44,10 @@ def test_a_cell_by_hand():
     assert force_between(cell, 100.0, 196.0) == pytest.approx(40e3 + 1684)
 
 
-@given(cells, squares, squares)
+@given(cells | starting, squares, squares)
 def test_a_force_leads_where_it_is_needed_for(cell, w0, w1):
     v = mean_speed(math.sqrt(w0), math.sqrt(w1))
-    assert reached_speed2(cell, w0, v, needed_force(cell, w0, w1, v)) == pytest.approx(w1, rel=1e-9)
+    assert reached_speed2(cell, w0, w1, v, needed_force(cell, w0, w1, v)) == pytest.approx(w1, rel=1e-9)
 
 
 @given(cells, squares, squares, st.floats(0.1, 0.9))

@@ -246,6 +246,20 @@ PHASES = {
     "line.sections": [{"length_m": 3000.0}],
     "phases.cycles": 3,
 }
+RESISTANCE = {
+    "constant_n_per_kn": 1.0,
+    "linear_n_per_kn_per_kmh": 0.01,
+    "quadratic_n_per_kn_per_kmh2": 1e-4,
+    "constant_n": 100.0,
+    "linear_n_per_kmh": 1.0,
+    "quadratic_n_per_kmh2": 0.1,
+    "starting_n_per_kn": 5.0,
+    "starting_n": 500.0,
+    "starting_ends_at_kmh": 8.0,
+    "davis": {"a": 1.0, "b": 0.01, "c": 1e-4, "unit": "lb/ton", "speed_unit": "mph"},
+    "formula": {"name": "davis-1926-freight", "axles": 8, "cars": 2, "frontal_area_m2": 8.0},
+    "load": {"constant_n_per_kn": 0.8, "linear_n_per_kn_per_kmh": 0.02, "quadratic_n_per_kn_per_kmh2": 2e-4},
+}
 STATION = {"name": "M", "position_m": 1200.0, "dwell_s": 20.0}
 
 CASES: dict[str, Case] = {
@@ -281,7 +295,58 @@ CASES: dict[str, Case] = {
             # below what adhesion leaves beside the electric brake
             "vehicle.braking.friction_effort_kn": 15.0,
         },
-        idle=("vehicle.drive", "vehicle.name", "line.name", "line.passing_points.0.name", "solver.tolerance"),
+        idle=(
+            "vehicle.drive",
+            "vehicle.name",
+            "vehicle.resistance.davis",
+            "vehicle.resistance.starting",
+            "line.name",
+            "line.passing_points.0.name",
+            "solver.tolerance",
+        ),
+    ),
+    "freight, and resistance as data sheets have it": Case(
+        plan,
+        change_document(
+            shortened({"strategy": "fastest"}),
+            {"vehicle.max_load_t": 40.0, "vehicle.load_factor": 0.5, "vehicle.resistance": RESISTANCE},
+        ),
+        ("vehicle.resistance", "vehicle.load", "vehicle.max_load_t"),
+        {
+            "vehicle.load_t": {"vehicle.load_factor": 0.0, "vehicle.load_t": 12.0},
+            "vehicle.resistance.davis.unit": "N/t",
+            "vehicle.resistance.davis.speed_unit": "km/h",
+            "vehicle.resistance.formula.name": "davis-1926-passenger",
+        },
+        idle=("vehicle.resistance.curve_constant_m_n_per_kn",),
+    ),
+    "limits by place": Case(
+        plan,
+        change_document(
+            PLAIN,
+            {
+                "strategy": "fastest",
+                "vehicle.line_voltage_v": 750.0,
+                "vehicle.adhesion": {"driven_mass_share": 0.3},
+                "line.traction_limits": [
+                    {"from_m": 100.0, "to_m": 200.0, "max_effort_kn": 40.0},
+                    {"from_m": 250.0, "to_m": 300.0, "effort_factor": 0.5},
+                    {"from_m": 350.0, "to_m": 400.0, "max_power_kw": 300.0},
+                    {"from_m": 450.0, "to_m": 500.0, "max_current_a": 400.0},
+                    {"from_m": 1700.0, "to_m": 1950.0, "recuperation_factor": 0.3},
+                ],
+                "line.rail_conditions": [{"from_m": 550.0, "to_m": 800.0, "condition": "dry"}],
+                "line.speed_limits": [{"from_m": 1000.0, "to_m": 1100.0, "limit_kmh": 60.0}],
+                "line.limit_margin_m": 50.0,
+            },
+        ),
+        ("line.traction_limits", "line.rail_conditions", "line.limit_margin_m", "vehicle.line_voltage_v"),
+        {"line.rail_conditions.0.condition": "wet"},
+        # of the other entries: a factor of 1 is none, and cannot be less without its limit
+        idle=(
+            *(f"line.traction_limits.{index}.effort_factor" for index in (0, 2, 3, 4)),
+            *(f"line.traction_limits.{index}.recuperation_factor" for index in (0, 1, 2, 3)),
+        ),
     ),
     "optimum over a refined mesh": Case(plan, shortened({}), ("solver.tolerance",), {"solver.tolerance": 1e-5}),
     "stations": Case(
@@ -419,6 +484,7 @@ CASES: dict[str, Case] = {
         {
             "simulation.target_braking": {"simulation": {"target_braking": False, "speed_error": 0.02}},
             "disturbance.rail_condition": "wet",
+            "disturbance.actual_load_t": {"disturbance.actual_load_factor": None, "disturbance.actual_load_t": 12.0},
         },
         idle=("disturbance.accepted_delay_s", *(f"simulation.{key}" for key in OF_THE_LOOP)),
     ),

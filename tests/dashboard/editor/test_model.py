@@ -173,6 +173,8 @@ def test_a_line_too_short_for_its_limit_is_refused(model: ScenarioModel, editor:
     [
         "line.speed_limits",
         "line.neutral_sections",
+        "line.traction_limits",
+        "line.rail_conditions",
         "line.stations",
         "line.passing_points",
         "disturbance.stops",

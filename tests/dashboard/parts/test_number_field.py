@@ -106,7 +106,7 @@ def test_another_scenario_brings_its_own_ends() -> None:
     browser = Browser()
     sidebar = Sidebar(state, browser, Keeping(state, browser))
     fields = [field.field for field in sidebar.view.select(NumberField)]
-    assert fields[:3] == ["travel_time_s", "load_percent", "recuperation_percent"]
+    assert fields[:4] == ["travel_time_s", "load_percent", "load_t", "recuperation_percent"]
     for name in ("metro-10-stations", "metro-with-limit"):
         state.scenario.choose(name)
         assert (sidebar.travel_time.start, sidebar.travel_time.end) == state.scenario.travel_time_range_s

@@ -115,6 +115,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
         {
             "travel_time_s": (Timetable, "travel_time_s", 1),
             "load_percent": (Vehicle, "load_factor", 100),
+            "load_t": (Vehicle, "load_t", 1),
             "acceleration_time_s": (EnocOptions, "acceleration_time_s", 1),
         },
     ),

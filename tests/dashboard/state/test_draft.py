@@ -12,6 +12,7 @@ def draft_of(edits: Mapping[str, Any], **sliders: float | None) -> ScenarioDraft
     own = {
         "travel_time_s": round(base.travel_time_s, 1),
         "load_percent": 100 * base.vehicle.load_factor,
+        "load_t": base.vehicle.load_t,
         "recuperation_percent": 100 * base.vehicle.drive.recuperation_factor,
         "acceleration_time_s": base.enoc.acceleration_time_s,
     }
