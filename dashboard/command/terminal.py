@@ -87,9 +87,8 @@ def comparison_text(comparison: Summary) -> str:
         lines += ["", *table_lines(head, rows), ""]
     for refusal in comparison["refused"]:
         lines += wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
-    for result in results:
-        word = STRATEGY_WORDS[result["strategy"]]
-        lines += [line for note in result["notes"] for line in wrapped(words.about(word, note))]
+    notes = {STRATEGY_WORDS[result["strategy"]]: result["notes"] for result in results}
+    lines += [line for note in words.notes_by_run(notes) for line in wrapped(note)]
     return "\n".join(lines)
 
 
@@ -101,8 +100,8 @@ def pair_text(pair: Summary) -> str:
         strategy = STRATEGY_WORDS[run["strategy"]]
         lines += labelled(name, f"{title_words(run['title'])}: {strategy}, {verdict(run)}")
     lines += ["", *wrapped(printable(pair["scenarios"])), "", *table_lines(side_by_side.HEAD, pair["table"])]
-    for name, run in zip(names, pair["results"], strict=True):
-        lines += [line for note in run["notes"] for line in wrapped(f"{name}: {note}")]
+    notes = {name: run["notes"] for name, run in zip(names, pair["results"], strict=True)}
+    lines += [line for note in words.notes_by_run(notes) for line in wrapped(note)]
     return "\n".join(lines)
 
 

@@ -80,7 +80,9 @@ def differences(first: Trajectory, second: Trajectory) -> dict[str, float]:
 def scenarios_differ(first: Scenario, second: Scenario) -> str:
     """Return in one sentence by what the second scenario differs from the first."""
     sentences = "; ".join(difference_words(second, first))
-    return f"The second scenario has {sentences}." if sentences else "Both scenarios are the same."
+    if sentences:
+        return f"The second scenario has {sentences}."
+    return "Both scenarios are the same." if first.strategy == second.strategy else "Only their strategies differ."
 
 
 def pair_names(first: Trajectory, second: Trajectory) -> tuple[str, str]:

@@ -6,7 +6,7 @@ terminal. Comparisons of runs are in `railjoule.dashboard.look.comparisons`.
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, ParamSpec
@@ -234,6 +234,16 @@ def subtitle(distance_m: float, vehicle: Vehicle) -> str:
 def about(strategy: str, sentence: str) -> str:
     """Return a sentence of a strategy that names it."""
     return sentence if sentence.startswith(strategy) else f"{strategy}: {sentence}"
+
+
+def notes_by_run(notes: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the notes of runs, given by name, each with its run; a note of all runs comes once, without a name."""
+    lines: list[str] = []
+    for name, sentences in notes.items():
+        for sentence in sentences:
+            is_common = len(notes) > 1 and all(sentence in others for others in notes.values())
+            lines.append(sentence if is_common else about(name, sentence))
+    return list(dict.fromkeys(lines))
 
 
 def notice(position_m: float, time_s: float, event: str) -> str:

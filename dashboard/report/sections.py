@@ -136,7 +136,7 @@ def _proof(findings: Findings, figures: Figures) -> Data:
     names, runs = words.STRATEGY_WORDS, findings.runs
     return {
         "sentences": bound_sentences(findings),
-        "notes": [words.about(names[name], note) for name, run in runs.runs.items() for note in run.all_notes],
+        "notes": words.notes_by_run({names[name]: run.all_notes for name, run in runs.runs.items()}),
         "refusals": [words.about(names[name], reason) for name, reason in runs.refused.items()],
     }
 

@@ -125,3 +125,10 @@ def test_a_continuous_curve_is_one_instruction() -> None:
 )
 def test_quantities_in_sentences_have_narrow_spaces(sentence: str, shown: str) -> None:
     assert words.grouped(sentence) == shown
+
+
+def test_a_note_of_all_runs_comes_once():
+    common = "The time follows from a reserve."
+    notes = {"Four phases": [common, "It has 13 cycles."], "Optimal": (common,)}
+    assert words.notes_by_run(notes) == [common, "Four phases: It has 13 cycles."]
+    assert words.notes_by_run({"Optimal": [common]}) == [f"Optimal: {common}"]
