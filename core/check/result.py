@@ -94,7 +94,7 @@ class CheckResult:
         place = "" if worst.at_m is None else f" at {worst.at_m:,.1f} m"
         return (
             f"The run breaks {count} of {len(self.checks)} rules, worst of all '{worst.name}': by {worst.largest:.2g} "
-            f"of {worst.share_of}{place}, where {worst.allowed:.2g} is allowed."
+            f"of {worst.share_of}{place}, where {worst.allowed:.2g} is permitted."
         )
 
 

@@ -269,7 +269,7 @@ def _require_small(source: SourceFile) -> None:
     """Raise ScenarioError if the file would unpack to more than allowed; nothing is unpacked for that."""
     name = source.name
     if len(source.content) > MAX_BYTES:
-        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB allowed.")
+        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB permitted.")
     try:
         with zipfile.ZipFile(io.BytesIO(source.content)) as package:
             parts = package.infolist()

@@ -173,7 +173,7 @@ def distance_along_m(latitude_deg: FloatArray, longitude_deg: FloatArray) -> Flo
 def _parsed(source: SourceFile) -> list[_Track]:
     name = source.name
     if len(source.content) > MAX_BYTES:
-        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB allowed.")
+        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB permitted.")
     reader, parser = _Reader(name), expat.ParserCreate()
     parser.StartDoctypeDeclHandler = reader.refuse
     parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end

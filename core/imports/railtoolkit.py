@@ -96,7 +96,7 @@ def read_yaml(source: SourceFile) -> dict[str, Any]:
             f"{source.name}: reading YAML needs PyYAML, which is not installed: pip install 'railjoule[yaml]'."
         ) from None
     if len(source.content) > MAX_YAML_BYTES:
-        raise ScenarioError(f"{source.name}: larger than the {MAX_YAML_BYTES / 1e6:g} MB allowed.")
+        raise ScenarioError(f"{source.name}: larger than the {MAX_YAML_BYTES / 1e6:g} MB permitted.")
     text = read_unicode(source, "YAML")
     try:
         level = 0

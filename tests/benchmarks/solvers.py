@@ -15,7 +15,7 @@ from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import enoc_coefficients, enoc_surface
 from railjoule.core.strategies.plain_line import plain_line
 from railjoule.core.studies import energy_time_frontier, frontier_times
-from railjoule.core.validation.benchmark import ALONE, TEXTBOOK, TUNED, warm_median_s
+from railjoule.core.validation.benchmark import INTERIOR_POINT, TEXTBOOK, TUNED, warm_median_s
 from railjoule.core.validation.ipopt import IpoptProblem, is_installed
 from tests.benchmarks.measurement import Measurement
 
@@ -42,7 +42,7 @@ def profile_two() -> Iterator[Measurement]:
     task = prepare_task(scenario)
     given = (task.mesh.data, task.fastest_speed2, task.shortest_time_s, task.running_time_s)
     calls: dict[str, Callable[[], object]] = {
-        ALONE: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING, False),
+        INTERIOR_POINT: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING, False),
         "solve()": lambda: solve(scenario),
     }
     if is_installed():
@@ -50,11 +50,11 @@ def profile_two() -> Iterator[Measurement]:
     medians = interleaved_medians_s(calls)
     cells = f"profile II, {task.mesh.cell_count} cells"
     for name, median in medians.items():
-        yield Measurement(f"{cells}: {name}", 1e3 * median, "ms", at_most=1 if name == ALONE else None)
+        yield Measurement(f"{cells}: {name}", 1e3 * median, "ms", at_most=1 if name == INTERIOR_POINT else None)
     for name in (TEXTBOOK, TUNED):
         if name in medians:
             bar = 40 if name == TEXTBOOK else None
-            yield Measurement(f"{cells}: {name}, over ours", medians[name] / medians[ALONE], "x", at_least=bar)
+            yield Measurement(f"{cells}: {name}, over ours", medians[name] / medians[INTERIOR_POINT], "x", at_least=bar)
 
 
 def long_line() -> Iterator[Measurement]:

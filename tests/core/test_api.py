@@ -94,7 +94,10 @@ def test_what_a_table_leaves_open_is_a_warning_unless_the_settings_say_it():
         ),
         (lambda: own_scenario(titel="x"), "Scenario: unknown key titel, did you mean 'title'?"),
         (lambda: own_scenario(travel_time_s=None), "Scenario: travel_time_s is missing"),
-        (lambda: own_scenario(average_speed_kmh=40), "needs exactly one of travel_time_s and average_speed_kmh"),
+        (
+            lambda: own_scenario(average_speed_kmh=40),
+            "needs exactly one of travel_time_s, average_speed_kmh, reserve_percent and reserve_min_per_100km",
+        ),
         (
             lambda: own_scenario(timetable=rj.Timetable(travel_time_s=9)),
             "travel_time_s and timetable exclude each other",

@@ -31,7 +31,7 @@ def test_a_proven_optimum_is_what_others_are_measured_against():
     runs = compare(load_scenario("liashenko-0")).runs
     best = next(run for run in runs if run.strategy == "optimal")
     others = [run for run in runs if run.strategy != "speed_limits"]
-    assert len(others) == 4
+    assert len(others) == 5
     assert {run.reference for run in others} == {best.reference}
     assert best.reference.proven
     assert best.above_kwh == 0

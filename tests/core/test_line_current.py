@@ -29,7 +29,7 @@ def test_a_run_carries_the_current_of_its_line():
 
 def test_every_shipped_vehicle_names_the_voltage_of_its_line():
     for name in preset_names("scenarios"):
-        assert load_scenario(name).vehicle.line_voltage_v in {600.0, 750.0, 3000.0}, name
+        assert load_scenario(name).vehicle.line_voltage_v in {600.0, 750.0, 3000.0, 15_000.0, 25_000.0}, name
 
 
 def test_the_voltage_survives_the_file():

@@ -124,7 +124,7 @@ def test_who_cannot_honour_them_says_so(strategy):
 def test_a_comparison_goes_on_with_the_others():
     found = compare(plain_scenario({**NEUTRAL, "vehicle.drive": COPPER_LOSS}))
     runs, refused = found.runs, found.refused
-    assert {run.strategy for run in runs} == {"optimal", "bellman", "fastest"}
+    assert {run.strategy for run in runs} == {"optimal", "bellman", "linear_reserve", "fastest"}
     assert set(refused) == {"eoc", "enoc", "phases", "speed_limits"}
 
 
@@ -158,7 +158,7 @@ def test_a_comparison_goes_on_with_the_others():
                 "line.sections": [{"length_m": 1700.0}, {"length_m": 300.0, "gradient_permille": -30.0}],
                 "line.neutral_sections": [{"from_m": 1700.0, "to_m": 2000.0}],
             },
-            "in the neutral section from 1700 to 2000 m (line.neutral_sections), friction brakes of at most 0 kN alone "
+            "in the neutral section from 1700 to 2000 m (line.neutral_sections), friction brakes of at most 0 kN "
             "cannot slow the train down for what lies ahead.",
         ),
     ],

@@ -9,7 +9,7 @@ WORSE = Check("c", 0.5, 1e-9, None, "the line")
 def test_the_verdict_names_the_worst():
     assert CheckResult((GOOD, GOOD), ()).verdict == "The run keeps all 2 rules that were checked."
     assert CheckResult((GOOD, BAD), ()).verdict == (
-        "The run breaks 1 of 2 rules, worst of all 'b': by 0.02 of the limit at 350.0 m, where 1e-06 is allowed."
+        "The run breaks 1 of 2 rules, worst of all 'b': by 0.02 of the limit at 350.0 m, where 1e-06 is permitted."
     )
     assert [check.name for check in CheckResult((BAD, GOOD, WORSE), ()).broken] == ["c", "b"]
 

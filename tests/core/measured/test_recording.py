@@ -76,7 +76,7 @@ def test_refuses_what_no_recorder_should_write(change, words):
     [
         ("time_s,noise", "no column holds the speed"),
         ("noise,speed_kmh", "no column holds the time or position"),
-        ("time_s,speed", "column 'speed' tells no unit; add --unit speed=km/h or --unit speed=m/s"),
+        ("time_s,speed", "column 'speed' has no unit; add --unit speed=km/h or --unit speed=m/s"),
     ],
 )
 def test_refuses_missing_columns_and_units(head, words):

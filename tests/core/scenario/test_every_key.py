@@ -217,7 +217,8 @@ NOT_HERE = {
     ),
     "a load without a mass": (
         {"vehicle.load_factor": 0.5, "vehicle.capacity_passengers": 0},
-        "vehicle.load_factor = 0.5 has no effect: it needs capacity_passengers and passenger_mass_kg above 0.",
+        "vehicle.load_factor = 0.5 has no effect: it needs capacity_passengers and passenger_mass_kg above 0, or "
+        "max_load_t; load_t is a load in tonnes.",
     ),
 }
 

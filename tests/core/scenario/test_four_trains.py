@@ -22,7 +22,7 @@ def train(name: str) -> tuple[float, float, Callable, Callable, float]:
     Read from the file's numbers, by formulas of this module.
     """
     file = preset_document("vehicles", name)
-    mass, terms, limits = file["tare_kg"] + 1000 * file.get("load_t", 0), file["resistance"], file["traction"]
+    mass, terms, limits = file["tare_kg"] + 1000 * file.get("max_load_t", 0), file["resistance"], file["traction"]
     weight_kn = mass * G / 1e3
 
     def resistance(speed):
@@ -75,7 +75,7 @@ def on_one_section(name: str, **line) -> Scenario:
     if "limit_kmh" in line:
         section["speed_limit_kmh"] = line["limit_kmh"]
     # passengers get off; the freight of the other train is part of it
-    empty = {} if "load_t" in preset_document("vehicles", name) else {"vehicle.load_factor": 0.0}
+    empty = {} if "max_load_t" in preset_document("vehicles", name) else {"vehicle.load_factor": 0.0}
     return load_scenario(name).replace(
         {"line": {"sections": [section]}, "timetable": {"travel_time_s": 9000.0}, **empty}
     )

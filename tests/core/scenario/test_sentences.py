@@ -101,8 +101,8 @@ CASES = {
     ),
     "unknown drive": ({"drive.model": "magic"}, "drive.model = 'magic' must be one of 'constant_efficiency', "),
     "curve that falls back": (
-        {"vehicle.traction.curve": [[0, 100], [50, 80], [50, 60]]},
-        "vehicle.traction.curve must have rising speeds.",
+        {"vehicle.traction.curve": [[0, 100], [50, 80], [40, 60]]},
+        "vehicle.traction.curve must have rising speeds; two points at the same speed are a step.",
     ),
     "curve of three columns": (
         {"vehicle.traction.curve": [[0, 100, 1], [50, 80]]},
@@ -113,8 +113,8 @@ CASES = {
         "vehicle.traction.curve must have an effort above 0.",
     ),
     "brake that falls back": (
-        {"vehicle.braking.curve": [[0, 100], [50, 80], [50, 60]]},
-        "vehicle.braking.curve must have rising speeds.",
+        {"vehicle.braking.curve": [[0, 100], [50, 80], [40, 60]]},
+        "vehicle.braking.curve must have rising speeds; two points at the same speed are a step.",
     ),
     "brake of no effort": (
         {"vehicle.braking.curve": [[0, 0], [50, 0]]},

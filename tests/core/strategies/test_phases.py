@@ -216,7 +216,7 @@ def test_more_deceleration_than_is_allowed_is_refused():
     with pytest.raises(StrategyRefusedError, match=rf"^needs a line on which .* slows down by less than {limit} = 0.3"):
         solve(plain_scenario(changes | {limit: 0.3}), "phases")
     # at rest alone, resistance would allow it
-    with pytest.raises(StrategyRefusedError, match=r"^slows down by 0\.3\d+ m/s2 at .* but only 0.38 m/s2 is allowed"):
+    with pytest.raises(StrategyRefusedError, match=r"^slows down by 0\.3\d+ m/s2 at .* but the limit is 0\.38 m/s2"):
         solve(plain_scenario(changes | {limit: 0.38}), "phases")
 
 

@@ -159,5 +159,5 @@ def test_a_run_above_the_braking_curve_is_refused_with_the_key():
         check_feasible(task.mesh, triangle(task.mesh, 20.0))
     assert str(refusal.value) == (
         "needs 58.93 km/h at 670 m, but the permitted deceleration "
-        "(vehicle.braking.permitted_deceleration) allows only 58.71 km/h there."
+        "(vehicle.braking.permitted_deceleration) permits only 58.71 km/h there."
     )

@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.core.validation import benchmark as module
-from railjoule.core.validation.benchmark import ALONE, TEXTBOOK, TUNED, benchmark, warm_median_s
+from railjoule.core.validation.benchmark import INTERIOR_POINT, TEXTBOOK, TUNED, benchmark, warm_median_s
 
 
 def test_the_first_call_does_not_count():
@@ -32,13 +32,14 @@ def test_every_solver_is_timed_on_the_same_problem(one_scenario):
         "enoc",
         "phases",
         "speed_limits",
+        "linear_reserve",
         "fastest",
-        ALONE,
+        INTERIOR_POINT,
         TEXTBOOK,
         TUNED,
     ]
     energy = timings["optimal"].energy_kwh
-    for solver in (ALONE, TEXTBOOK, TUNED):
+    for solver in (INTERIOR_POINT, TEXTBOOK, TUNED):
         # they solve one problem, each to a relative 1e-7 or better
         assert timings[solver].energy_kwh == pytest.approx(energy, rel=2e-7)
         assert timings[solver].iterations > 0
@@ -54,6 +55,7 @@ def test_strategies_that_refuse_are_left_out(monkeypatch):
         "bellman",
         "phases",
         "speed_limits",
+        "linear_reserve",
         "fastest",
-        ALONE,
+        INTERIOR_POINT,
     ]
