@@ -38,7 +38,7 @@ from railjoule.dashboard.work.worker import SLOW_THREADS
 STRATEGIES_TAB, PAIR_TAB = "strategies", "scenarios"
 PAIR_FIELDS = ("second", "second_from", "second_time_s")
 LONGER = 1.1
-"""The second travel time begins at this multiple of the first."""
+"""The second travel time is this multiple of the first where none is given."""
 HELD = "held"
 """The entry of the menu for a scenario whose text the page holds: of a pin, a file or a link."""
 INVITATION = (
@@ -56,9 +56,11 @@ COLUMNS_CSS = """
 class PairTab(Page):
     """The content of this tab."""
 
+    may_be_empty = ("second_time_s",)
+
     second = param.Selector(default=NOTHING, objects=list(KINDS), doc="Changes of the second scenario.")
     second_from = param.String(default="", doc="Name of the second train or scenario, or the text of a scenario.")
-    second_time_s = keyed(Timetable, "travel_time_s", "Second travel time", "s", 1, default=100.0, step=0.5)
+    second_time_s = keyed(Timetable, "travel_time_s", "Second travel time", "s", 1, allow_None=True, step=0.5)
     pair = result(Pair, "The last runs of both scenarios.")
 
     @property
@@ -66,15 +68,21 @@ class PairTab(Page):
         """How the second scenario comes about; None where there is none."""
         if self.second == NOTHING:
             return None
-        return SecondScenario(self.second, self.second_from, float(self.second_time_s))
+        time_s = self.longer_time_s if self.second_time_s is None else float(self.second_time_s)
+        return SecondScenario(self.second, self.second_from, time_s)
+
+    @property
+    def longer_time_s(self) -> float:
+        """The second travel time where none is given [s]."""
+        return float(round(LONGER * self.desk.scenario.travel_time_s, 1))
 
     def part(self, scenario: Scenario) -> object:
-        """Return the part of a scenario that the second travel time begins with."""
+        """Return the part of a scenario to which the second travel time belongs."""
         return scenario.timetable
 
     def take(self, scenario: Scenario) -> None:
-        """Begin with a travel time that is longer than that of a scenario."""
-        self.second_time_s = round(LONGER * scenario.travel_time_s, 1)
+        """Forget the second travel time of another scenario."""
+        self.second_time_s = None
 
     # ---- what it computes
 
@@ -171,8 +179,9 @@ class PairTab(Page):
             self.second_menu.param.update(groups=groups, value=entry)
         self.second_time.visible = self.second == TIME
 
-    @shows("desk.scenario.travel_time_range_s", tab=PAIR_TAB)
-    def _show_ends(self) -> None:
+    @shows("desk.scenario.travel_time_range_s", "desk.scenario.travel_time_s", "second_time_s", tab=PAIR_TAB)
+    def _show_time(self) -> None:
+        self.second_time.suggest(self.longer_time_s)
         self.second_time.set_ends(self.desk.scenario.travel_time_range_s)
 
     @shows("pair", "desk.over_time", "second", tab=PAIR_TAB)

@@ -77,7 +77,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&over_time=maybe", "over_time = maybe must be true or false."),
         ("?v=1&page=Nowhere", "page = Nowhere is not one of the 13 known."),
         ("?v=1&colours=green", "colours = green must be one of system, light, dark."),
-        ("?v=1&preset=liashenko-2", "preset = liashenko-2 is not one of the 16 known; did you mean liashenko-i?"),
+        ("?v=1&preset=liashenko-2", "preset = liashenko-2 is not one of the 20 known; did you mean liashenko-i?"),
         ("?v=1&wings=2", "wings is not known."),
         ("?v=1&edits=~AAAA", "is damaged"),
         ("?v=1&edits=[1]", "edits = [1] must be a table."),

@@ -101,8 +101,13 @@ def test_another_train_has_the_numbers_of_two_single_solves(session: Session, pa
 def test_another_time_follows_the_first_scenario_in_all_else(session: Session, page: Compare) -> None:
     page.second_menu.value = "time:"
     assert page.second_time.visible
-    assert page.second_time_s == pytest.approx(187.0)
+    # 1.1 times the first where none is given
+    assert (page.second_time.value, page.second_time.suggested) == (None, pytest.approx(187.0))
     assert page.pair.runs[1].travel_time_s == pytest.approx(187.0, abs=1e-3)
+    session.state.scenario.travel_time_s = 180.0
+    assert page.second_time.suggested == pytest.approx(198.0)
+    assert [run.travel_time_s for run in page.pair.runs] == pytest.approx([180.0, 198.0], abs=1e-3)
+    session.state.scenario.travel_time_s = 170.0
     page.second_time_s = 200.0
     session.state.scenario.load_percent = 0.0
     first, second = (run.scenario for run in page.pair.runs)
