@@ -63,7 +63,7 @@ def rows(page: Compare) -> dict[str, list[str]]:
 
 def test_all_strategies_are_run_only_while_the_page_is_in_sight(session: Session, page: Compare) -> None:
     state = session.state
-    assert list(page.compared.runs) == ["optimal", "fastest", "phases", "bellman", "speed_limits"]
+    assert list(page.compared.runs) == ["optimal", "linear_reserve", "fastest", "phases", "bellman", "speed_limits"]
     assert set(page.compared.refused) == {"eoc", "enoc"}
     before = page.compared
     state.page = "Drive"
@@ -120,7 +120,7 @@ def test_the_answer_is_the_cheapest_strategy_on_time(session: Session, page: Com
     assert "7.81 kWh \u2713 proven" in answer
     # Bellman reads the same as the optimum, and Set speeds, which would be the next one, are late
     assert "Next best +8.1 % Four phases, 8.45 kWh" in answer
-    assert "Strategies on time 4 of 5 Set speeds 1.7 s late" in answer
+    assert "Strategies on time 5 of 6 Set speeds 1.7 s late" in answer
     page.reference = "phases"
     assert "7.81 kWh 7.5 % below Four phases" in text(page.host.figures.object)
     page.reference = "speed_limits"
@@ -171,7 +171,7 @@ def test_a_greater_bound_reaches_the_runs_of_all_strategies(session: Session, pa
 
 def test_the_fastest_run_does_not_press_the_energies_of_others_together(session: Session, page: Compare) -> None:
     chart = page.host.plots["compared_energy"]
-    runs = session.state.runs.runs
+    runs = page.compared.runs
     most = max(run.supply_energy_j.max() / J_PER_KWH for name, run in runs.items() if name != "fastest")
     assert most < chart.y_range.end < 1.5 * most
     assert len(sent(chart, "fastest")[0]) == 0
