@@ -33,7 +33,7 @@ def test_a_link_leads_to_its_lesson_whose_control_can_be_pressed_at_once(
     with User.on(window, f"{server.url}?v=1&page=Learn&learn.lesson=gradient") as user:
         begun = time.monotonic()
         asked = lesson(user.page, "gradient")
-        expect(asked.get_by_text("What share of that energy", exact=False)).to_be_in_viewport()
+        expect(asked.get_by_text("Which share of that energy", exact=False)).to_be_in_viewport()
         asked.get_by_role("button", name=GUESS).click()
         assert time.monotonic() - begun < FIRST_ACTION_S
         # 36.6 %, as `find_answer` has it at 15 per mille

@@ -50,10 +50,11 @@ def test_a_scenario_is_saved_listed_and_opened_again(user: User, folder: Path) -
     told(user, "Saved as my run.toml.")
     user.choose("Metro, profile II")
     user.turn_to("Start")
-    expect(row(user, "my run")).to_contain_text("Metro, profile II + I")
+    # a scenario saved under another name has that as its title
+    expect(row(user, "my run").get_by_role("cell").nth(1)).to_have_text("my run")
     button(user, "Open my run").click()
     expect(user.question("Drive")).to_be_visible()
-    expect(user.scenario("Metro, profile II + I")).to_be_visible()
+    expect(user.scenario("my run")).to_be_visible()
     assert load_scenario(folder / "my run.toml").travel_time_s == 170
     # the folder's name is all that the page shows of its place
     assert str(folder.parent) not in user.page.content()
