@@ -21,8 +21,8 @@ LONGER_S, LARGER_MB, LATER_S = 0.5, 50.0, 0.5
 """What a hostile link may take beyond a plain one: time of all pages' one thread, memory, and wait of another page."""
 SETTLE_S, MOVES = 1.0, 12
 TRIES = 3
-"""Every fourth opening or so takes half a second more of the server's loop, a plain one as well; what a link costs is
-there each time."""
+"""Every fourth opening or so takes half a second more of the server's loop, a plain one as well; the first link with a
+key of 50,000 parts grows the process once (measured: 56 MB, then 7 and 7). What each link costs is there each time."""
 
 
 def packed(text: str) -> str:
@@ -122,11 +122,13 @@ async def opened(server: Server, link: str) -> Cost:
     [pytest.param(name, marks=[pytest.mark.nightly][: name not in GATE]) for name in HOSTILE],
 )
 def test_a_hostile_link_costs_hardly_more_than_a_plain_one(guarded: Server, plain: Cost, name: str) -> None:
+    costs = []
     for _ in range(TRIES):
         cost = in_a_loop_of_its_own(opened(guarded, HOSTILE[name]))
         assert SAID.get(name, "") in cost.text
-        if cost.loop_s < plain.loop_s + LONGER_S:
+        costs.append(cost)
+        if cost.loop_s < plain.loop_s + LONGER_S and cost.memory_mb < plain.memory_mb + LARGER_MB:
             break
-    assert cost.loop_s < plain.loop_s + LONGER_S
-    assert cost.memory_mb < plain.memory_mb + LARGER_MB
+    assert min(cost.loop_s for cost in costs) < plain.loop_s + LONGER_S
+    assert min(cost.memory_mb for cost in costs) < plain.memory_mb + LARGER_MB
     assert cost.wait_s < plain.wait_s + LATER_S
