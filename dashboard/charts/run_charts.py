@@ -336,12 +336,14 @@ class SupplyChart(RunChart):
             return
         # between a cell's ends it is constant: each end twice, and a gap where there is no limit
         largest = np.repeat(largest_current_a(line, midpoints(run.position_m)), 2)
+        if not np.isfinite(largest).any():
+            self.clear("largest_current")
+            return
         largest = np.where(np.isfinite(largest), largest, np.nan)
         if self.quantity.unit == POWER.unit:
             largest = largest * (run.scenario.vehicle.line_voltage_v or np.nan) / W_PER_KW
         self.put("largest_current", **xy(np.repeat(scene.x(run), 2)[1:-1], largest))
-        if np.isfinite(largest).any():
-            self.rename(f"{self.caption}; dashed: limit of the line")
+        self.rename(f"{self.caption}; dashed: limit of the line")
 
 
 class CurrentChart(SupplyChart):

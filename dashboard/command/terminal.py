@@ -334,11 +334,13 @@ def _comparison_table(results: Sequence[Summary]) -> list[str]:
 
 
 def _above(result: Summary) -> tuple[str, str]:
-    """Return how far a run is above the best known one and above its bound; of a late one, how late it is."""
+    """Return how far a run is above the best known one and above its bound; of another time, how late or early it is."""
     known = result["reference"]
-    late = comparisons.late(result["travel_time_s"], result["allowed_time_s"])
-    if late:
-        return words.plain_text(late), words.plain_text(words.UNKNOWN)
+    off_time = comparisons.late(result["travel_time_s"], result["allowed_time_s"])
+    if known is None or known["strategy"] != result["strategy"]:
+        off_time = off_time or comparisons.early(result["travel_time_s"], result["allowed_time_s"])
+    if off_time:
+        return words.plain_text(off_time), words.plain_text(words.UNKNOWN)
     amount = None if known is None else comparisons.above(result["energy_kwh"], known["energy_kwh"])
     over_bound = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"])
     return words.plain_text(comparisons.cell(amount)), words.plain_text(comparisons.cell(over_bound))

@@ -151,6 +151,12 @@ def late(travel_time_s: float, asked_s: float) -> str:
     return f"{words.time(more)} s late" if more >= OTHER_TIME_S else ""
 
 
+def early(travel_time_s: float, asked_s: float) -> str:
+    """Return how early a run is, as '36.4 s early'; empty where it is not."""
+    less = asked_s - travel_time_s
+    return f"{words.time(less)} s early" if less >= OTHER_TIME_S else ""
+
+
 def delay_words(run: Trajectory) -> str:
     """Return how late a run arrives by its timetable; empty where it is in time."""
     return late(run.travel_time_s, run.scenario.travel_time_s)
@@ -158,8 +164,7 @@ def delay_words(run: Trajectory) -> str:
 
 def off_time(run: Trajectory) -> str:
     """Return how late or early a run arrives by its timetable; empty where it is in time, or the best known itself."""
-    earlier = run.scenario.travel_time_s - run.travel_time_s
-    return f"{words.time(earlier)} s early" if earlier >= OTHER_TIME_S and not is_reference(run) else delay_words(run)
+    return delay_words(run) or ("" if is_reference(run) else early(run.travel_time_s, run.scenario.travel_time_s))
 
 
 def in_time_asked(run: Trajectory) -> str:

@@ -112,8 +112,9 @@ class Teller:
         self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
         if self.runs.runs[strategy].price_of_time_w is not None:
             self.tell(place, strategy, price=plain(figures["Extra second saves"]["value"]))
-        above = next(match for label, match in figures.items() if label.startswith(("Above ", "Late")))
-        text = amount(plain(f"{above['value']} {above['unit']}")) + (" late" if above["label"] == "Late" else "")
+        above = next(match for label, match in figures.items() if label.startswith(("Above ", "Late", "Early")))
+        off_time = "" if above["label"].startswith("Above") else f" {above['label'].lower()}"
+        text = amount(plain(f"{above['value']} {above['unit']}")) + off_time
         bound = re.search(rf"bound ({NUMBER})", plain(above["detail"]))
         if "bound" in above["label"]:
             self.tell(place, strategy, above_bound=text)

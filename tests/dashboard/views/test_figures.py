@@ -80,8 +80,12 @@ def with_contours(state):
 SCENARIOS = ("metro-with-limit", "ftorek-300s", "tram-950m-stop")
 
 
-def with_tab(tab, state):
-    state.pages["What if"].tab = tab
+def with_tab(page, tab, state):
+    state.pages[page].tab = tab
+
+
+def with_a_second_scenario(state):
+    state.pages["Compare"].param.update(tab="scenarios", second="time")
 
 
 def with_live_run(state):
@@ -103,9 +107,14 @@ CASES = {
         ("metro-with-limit", None),
         ("metro-with-limit", with_a_stop),
         ("metro-with-limit", with_live_run),
-        ("metro-with-limit", partial(with_tab, "chance")),
+        ("metro-with-limit", partial(with_tab, "What if", "chance")),
     ],
-    "Set speeds": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
+    "Compare": [("metro-with-limit", None), ("metro-with-limit", with_a_second_scenario)],
+    "Set speeds": [
+        ("kharkiv-like-40kmh", None),
+        ("ftorek-300s", None),
+        ("kharkiv-like-40kmh", partial(with_tab, "Set speeds", "losses")),
+    ],
     "Motor": [("metro-with-limit", None), ("ftorek-300s", partial(with_edits, SHORT))],
     "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
     "Explore": [("metro-with-limit", with_a_study)],
