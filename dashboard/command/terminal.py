@@ -334,7 +334,7 @@ def _comparison_table(results: Sequence[Summary]) -> list[str]:
 
 
 def _above(result: Summary) -> tuple[str, str]:
-    """Return how far a run is above the best known one and above its bound; of another time, how late or early it is."""
+    """Return how far a run is above the best known one and above its bound; or how late or early it is."""
     known = result["reference"]
     off_time = comparisons.late(result["travel_time_s"], result["allowed_time_s"])
     if known is None or known["strategy"] != result["strategy"]:
