@@ -4,6 +4,7 @@ Each worker compiles nothing that its node has compiled before: compiled kernels
 user (`railjoule.core.kernel_cache`), and one worker of a node compiles while the others wait (`require_compiled`).
 """
 
+import gc
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -46,6 +47,8 @@ def cluster(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
         raise ClusterError("a cluster needs distributed: pip install 'railjoule[cluster]'.") from None
     shown = shorten(address)
     no_worker = ClusterError(f"the cluster {shown} has had no worker for {WAITING_S} s.")
+    # a client that did not connect, collected while another one starts, would wait for the lock that this one holds
+    gc.collect()
     try:
         client: Any = distributed.Client(address, timeout=CONNECTING_S, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:

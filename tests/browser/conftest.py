@@ -23,7 +23,13 @@ QUIET = re.compile(
     # tests connect from other origins, and without a token
     r"|.* (403 GET /ws |Refusing websocket connection from Origin ).*"
 )
-"""What the server writes when nothing fails."""
+"""Log of a server without failures."""
+MESSAGE_OF_CLOSED_PAGE = re.compile(
+    r"^\S+ \S+ (?:error handling message|Uncaught exception GET /).*\n(?:(?!\d{4}-\d\d-\d\d ).*\n)*?"
+    r".*assert self\._session is not None\n.*\nAssertionError\n",
+    re.MULTILINE,
+)
+"""Bokeh's report of a message that arrives as its page is closed (bokeh/server/session.py); nothing is lost."""
 
 
 @pytest.fixture(scope="package")
@@ -40,7 +46,8 @@ def server(tmp_path_factory: pytest.TempPathFactory, folder: Path) -> Iterator[S
     log = tmp_path_factory.mktemp("server") / "log"
     with serving("-m", "railjoule.dashboard", "serve", "--folder", str(folder), log=log) as running:
         yield running
-        assert [line for line in log.read_text().splitlines() if not QUIET.fullmatch(line)] == []
+        text = MESSAGE_OF_CLOSED_PAGE.sub("", log.read_text())
+        assert [line for line in text.splitlines() if not QUIET.fullmatch(line)] == []
 
 
 @pytest.fixture(scope="package")

@@ -18,11 +18,11 @@ from browser.visitor import Visitor
 MOST_MEMORY_BYTES = 4_000_000_000
 """Address space that the server may take in addition: a link that gets through ends it, not the machine."""
 LONGER_S, LARGER_MB, LATER_S = 0.5, 50.0, 0.5
-"""What a hostile link may take beyond a plain one: time of all pages' one thread, memory, and wait of another page."""
+"""Largest cost of a hostile link beyond a plain one: time of all pages' one thread, memory, wait of another page."""
 SETTLE_S, MOVES = 1.0, 12
 TRIES = 3
 """Every fourth opening or so takes half a second more of the server's loop, a plain one as well; the first link with a
-key of 50,000 parts grows the process once (measured: 56 MB, then 7 and 7). What each link costs is there each time."""
+key of 50,000 parts grows the process once (measured: 56 MB, then 7 and 7). The cost of a link is there each time."""
 
 
 def packed(text: str) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from io import StringIO
+from threading import Lock
 from typing import Any
 
 import panel as pn
@@ -102,16 +103,22 @@ class RebuiltFigures:
     figures: tuple[Rebuilt, ...] = ()
 
 
+LOADING = Lock()
+"""Held while HoloViews loads: two threads that import its modules at the same time leave one of them half loaded."""
+
+
 def draw_differences(papers: tuple[Validation, ...]) -> tuple[Figure, Palette]:
     """Draw all differences, in a thread because HoloViews takes its time to load."""
-    from railjoule.dashboard.pages.papers.differences import difference_figure  # noqa: PLC0415
+    with LOADING:
+        from railjoule.dashboard.pages.papers.differences import difference_figure  # noqa: PLC0415
 
     return difference_figure(papers, dark=False)
 
 
 def rebuild_figures(name: str) -> Iterator[RebuiltFigures]:
     """Compute and draw the figures of a paper, and yield them with each that is added."""
-    from railjoule.dashboard.pages.papers.panels import draw_panel  # noqa: PLC0415
+    with LOADING:
+        from railjoule.dashboard.pages.papers.panels import draw_panel  # noqa: PLC0415
 
     done = RebuiltFigures(name)
     for printed in COMPARISONS[name]().figures:

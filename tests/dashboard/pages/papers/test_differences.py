@@ -8,7 +8,14 @@ import pytest
 from railjoule.core.validation import Row, Table, Validation
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
-from railjoule.dashboard.pages.papers.differences import STYLES, TOLD, difference_figure, differences, scaled, tip
+from railjoule.dashboard.pages.papers.differences import (
+    STYLES,
+    TIP_COLUMNS,
+    difference_figure,
+    differences,
+    scaled,
+    tip,
+)
 
 ROWS = (
     Row("a", "W", "Wh", 100.0, 103.0, source="a"),
@@ -30,7 +37,7 @@ def test_a_row_with_a_difference_is_a_dot() -> None:
     # 3 % of 100 Wh, and half a percentage point less
     np.testing.assert_allclose(rows.dimension_values("height")[:2], [math.asinh(3.0), math.asinh(-0.5)])
     assert list(rows.dimension_values("Paper")) == ["Ftorek", "Ftorek", "Rawicki", "Rawicki"]
-    assert [rows.dimension_values(word)[0] for word in TOLD] == [
+    assert [rows.dimension_values(word)[0] for word in TIP_COLUMNS] == [
         "Ftorek",
         "Energies",
         "a",
@@ -62,7 +69,7 @@ def test_the_shipped_numbers_are_drawn_by_paper(dark: bool) -> None:
 
 def test_every_paper_has_a_colour_and_a_name() -> None:
     assert STYLES.keys() == AUTHORS.keys() == shipped_tables().papers.keys()
-    assert all(f"@{word}" in tip() for word in TOLD)
+    assert all(f"@{word}" in tip() for word in TIP_COLUMNS)
 
 
 def test_without_any_difference_there_is_an_empty_figure() -> None:
