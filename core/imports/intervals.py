@@ -21,7 +21,7 @@ from railjoule.core.imports.columns import (
 )
 from railjoule.core.imports.findings import Notes
 from railjoule.core.imports.heights import intervals_of_heights
-from railjoule.core.imports.numbers import M_PER_KM, Decimal, decimal_mark, parse_position, parse_value, text_of_cell
+from railjoule.core.imports.numbers import Decimal, decimal_mark, parse_position, parse_value, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.imports.table import (
     DIGITS_M,
@@ -36,6 +36,7 @@ from railjoule.core.imports.table import (
 from railjoule.core.imports.table_units import TableUnits
 from railjoule.core.imports.units import IntervalKind, TableKind, unit_words
 from railjoule.core.scenario._sentences import counted, shorten, show, shown_list
+from railjoule.core.units import M_PER_KM
 
 RINF_STRING = re.compile(r"([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\( ?([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\)")
 """A gradient and where it begins, 'g(km)', as the register of infrastructure has it."""

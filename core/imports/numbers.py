@@ -9,10 +9,9 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell
 from railjoule.core.imports.units import KNOTS, Quantity, unit_words, without_unit
 from railjoule.core.scenario._sentences import show
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import M_PER_KM, MS_PER_KMH
 
 Decimal = Literal[".", ","]
-M_PER_KM = 1000.0
 M_PER_MILE = 1609.344
 M_PER_CHAIN = M_PER_MILE / 80
 M_PER_YARD = M_PER_MILE / 1760

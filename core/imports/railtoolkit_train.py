@@ -11,10 +11,10 @@ from pydantic import Field, model_validator
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, Notes
-from railjoule.core.imports.vehicle import KG_PER_T, ImportedVehicle, imported_vehicle
+from railjoule.core.imports.vehicle import ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import show, shown_list, validated
-from railjoule.core.units import MS_PER_KMH, N_PER_KN
+from railjoule.core.units import KG_PER_T, MS_PER_KMH, N_PER_KN
 
 # at which the coefficients of rolling and air resistance are given: TrainRuns.jl, after Wende 2003, p. 151
 REFERENCE_KMH = 100.0

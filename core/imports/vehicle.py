@@ -10,9 +10,7 @@ from railjoule.core.imports.findings import Finding, Imported, Notes, OtherUnit
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario._sentences import validated
 from railjoule.core.scenario.drive import ConstantEfficiency
-from railjoule.core.units import N_PER_KN, STANDARD_GRAVITY_MS2
-
-KG_PER_T = 1000.0
+from railjoule.core.units import KG_PER_T, N_PER_KN, STANDARD_GRAVITY_MS2
 
 
 @dataclass(frozen=True)

@@ -25,9 +25,9 @@ from railjoule.core.scenario.options import (
     SolverOptions,
 )
 from railjoule.core.scenario.text_file import NESTED_TOO_DEEPLY
-from railjoule.core.scenario.vehicle import KG_PER_T, Vehicle
+from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.core.strategy import require_strategy
-from railjoule.core.units import MS_PER_KMH, W_PER_KW
+from railjoule.core.units import KG_PER_T, MS_PER_KMH, W_PER_KW
 
 if TYPE_CHECKING:
     from railjoule.core.reserve import ReservedTime

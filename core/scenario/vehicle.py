@@ -11,8 +11,7 @@ from railjoule.core.scenario._base import Count, Name, Number, Part, PresetPart
 from railjoule.core.scenario.assumed import Assumed, require_known_keys, value_at
 from railjoule.core.scenario.drive import Drive
 from railjoule.core.scenario.resistance import Resistance, SpecificResistance
-
-KG_PER_T = 1000.0
+from railjoule.core.units import KG_PER_T
 
 # standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
 MAX_LOAD_FACTOR = 3.0

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 from railjoule.core import CheckResult, Comparison, Phase, Trajectory
 from railjoule.core.lower_bound import Bound
 from railjoule.core.measures import measure
-from railjoule.core.scenario.vehicle import KG_PER_T
-from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, J_PER_WH, KG_PER_T, MS_PER_KMH
 from railjoule.dashboard.look import side_by_side, words
 from railjoule.dashboard.work.simple_advice import first_cheap_run
 

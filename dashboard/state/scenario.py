@@ -11,8 +11,9 @@ from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.drive import DriveParameters
 from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.scenario.scenario import Timetable
-from railjoule.core.scenario.vehicle import KG_PER_T, Vehicle
+from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.core.strategies import prepare_task
+from railjoule.core.units import KG_PER_T
 from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, open_scenario, shipped
 from railjoule.dashboard.state.numbers import TypedParameters, keyed
 

@@ -25,7 +25,8 @@ PIN_WIDTH_PX = 1.8
 MAX_READ = 6
 """Maximum number of runs whose values the cursor writes, the reference first."""
 HEADROOM = 1.12
-FASTEST = "fastest"
+OFF_SCALE = 1.5
+"""Energies over this multiple of the smallest range would press the lines of the others together."""
 LINES: Mapping[str, Line] = {
     **{key: Line(key, {"line_width": PIN_WIDTH_PX, "line_dash": dash}) for key, dash in PIN_DASHES.items()},
     **{name: Line(name, line_style(name)) for name in reversed(STRATEGIES)},
@@ -92,7 +93,7 @@ class ComparedChart(RunLines):
         """
         # before the lines are filled, as `values` depends on it
         self._reference, self._over_time = reference.run, over_time
-        drawn = list(among) if self.plot.has_limits else without_fastest(among, reference)
+        drawn = list(among) if self.plot.has_limits else sharing_an_axis(among, reference)
         off_scale = [contender.name for contender in among if contender not in drawn]
         caption = f"{self.title} ({' and '.join(off_scale)} off the scale)" if off_scale else self.title
         self.rename(caption)
@@ -137,10 +138,11 @@ class ComparedChart(RunLines):
         self.place_names({**{contender.key: curves[contender.key] for contender in among}, **more}, names)
 
 
-def without_fastest(among: Sequence[Contender], reference: Contender) -> list[Contender]:
-    """Return the runs whose energies can share an axis: the fastest run needs far more than all others."""
-    slower = [contender for contender in among if contender.key != FASTEST or contender is reference]
-    return slower or list(among)
+def sharing_an_axis(among: Sequence[Contender], reference: Contender) -> list[Contender]:
+    """Return the reference and the runs whose energies can share an axis with the one that varies least."""
+    ranges_j = [float(np.ptp(contender.run.supply_energy_j)) for contender in among]
+    most_j = max(OFF_SCALE * min(ranges_j), ranges_j[among.index(reference)])
+    return [contender for contender, range_j in zip(among, ranges_j, strict=True) if range_j <= most_j]
 
 
 def end_of_run(run: Trajectory, over_time: bool) -> float:

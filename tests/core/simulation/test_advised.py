@@ -19,8 +19,18 @@ from railjoule.core.strategies import compare, run_strategy
 
 LONG = "metro-10-stations"
 """Its runs by all strategies take as long as those of the others together."""
-LONG_RUNS = ("freight-vectron", "high-speed-velaro", "light-rail-sd160", "regional-flirt")
-"""Over 10 to 120 km the rounding of an instruction adds up in open loop: up to 18 s and 2 % (light rail, optimal)."""
+DRIFTING = {
+    ("freight-vectron", "optimal"),
+    ("high-speed-velaro", "fastest"),
+    ("light-rail-sd160", "bellman"),
+    ("light-rail-sd160", "optimal"),
+    ("regional-flirt", "bellman"),
+    ("regional-flirt", "optimal"),
+    ("regional-flirt", "phases"),
+}
+"""Runs over long lines whose advice leaves a bound in open loop, by up to 18 s and 2 % (light rail): a known fault."""
+LONG_ADVICE = {("high-speed-velaro", "linear_reserve")}
+"""24 instructions for one stop: its easing follows each gradient."""
 SCENARIOS = [pytest.param(name, marks=[pytest.mark.nightly][: name == LONG]) for name in preset_names("scenarios")]
 
 LATE_S, MORE_ENERGY, SPEED_ROUNDING_KMH = 3.0, 0.01, 0.05
@@ -59,35 +69,31 @@ def excess_kmh(run):
     return 3.6 * np.max(fastest - run.run_data.limit_ms)
 
 
-def long_runs_may_fail(request, name):
-    if name in LONG_RUNS:
-        request.applymarker(pytest.mark.xfail(reason="open loop over a long line", strict=False))
-
-
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_whoever_does_what_the_advice_says_drives_the_run(name, request):
+def test_whoever_does_what_the_advice_says_drives_the_run(name):
     """Open loop: nothing of the run but the advice's printed numbers is known, and nothing is put right."""
-    long_runs_may_fail(request, name)
     for run in runs_of(name):
         driven = drive_advice(run.scenario, run.advice)
-        told = f"{run.strategy}: "
-        assert late_when_fast_s(run, driven) < LATE_WHEN_FAST_S, run.strategy
-        assert abs(driven.travel_time_s - run.travel_time_s) < latest_s(run), told
-        assert abs(driven.energy.net_j / run.energy.net_j - 1) < MORE_ENERGY, told
-        assert excess_kmh(driven) < SPEED_ROUNDING_KMH, told
-        assert abs(driven.energy.imbalance) < 1e-6, told
+        faults = {
+            "place": late_when_fast_s(run, driven) >= LATE_WHEN_FAST_S,
+            "time": abs(driven.travel_time_s - run.travel_time_s) >= latest_s(run),
+            "energy": abs(driven.energy.net_j / run.energy.net_j - 1) >= MORE_ENERGY,
+            "limit": excess_kmh(driven) >= SPEED_ROUNDING_KMH,
+        }
+        # a run that no longer drifts leaves the list
+        assert any(faults.values()) == ((name, run.strategy) in DRIFTING), (run.strategy, faults)
+        assert abs(driven.energy.imbalance) < 1e-6, run.strategy
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_no_advice_is_longer_than_a_driver_can_follow(name, request):
+def test_no_advice_is_longer_than_a_driver_can_follow(name):
     """Instructions last five seconds and more, but for brakes, and for power before coasting or another instruction.
 
     A drive that may be switched after less, by its minimum on/off time, has instructions as long as that.
     """
-    long_runs_may_fail(request, name)
     for run in runs_of(name):
         stops = sum(1 for phase in run.phases if phase.end_ms < 1e-3 and phase.phase != "stand")
-        assert len(run.advice) <= 20 * stops
+        assert (len(run.advice) > 20 * stops) == ((name, run.strategy) in LONG_ADVICE)
         followed = zip(run.phases, [phase.phase for phase in run.phases[1:]] + [""], strict=True)
         steady = [p for p, after in followed if p.phase == "coast" or (p.phase == "hold" and after != "coast")]
         lasting = [p.end_s - p.start_s for p in steady]

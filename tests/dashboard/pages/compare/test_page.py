@@ -171,11 +171,11 @@ def test_a_greater_bound_reaches_the_runs_of_all_strategies(session: Session, pa
 
 def test_the_fastest_run_does_not_press_the_energies_of_others_together(session: Session, page: Compare) -> None:
     chart = page.host.plots["compared_energy"]
-    runs = page.compared.runs
+    runs = session.state.runs.runs
     most = max(run.supply_energy_j.max() / J_PER_KWH for name, run in runs.items() if name != "fastest")
     assert most < chart.y_range.end < 1.5 * most
     assert len(sent(chart, "fastest")[0]) == 0
-    assert caption(chart) == "Energy from the supply, kWh (Fastest off the scale)"
+    assert caption(chart) == "Energy from the supply, kWh (Linear reserve and Fastest off the scale)"
     page.reference = "fastest"
     assert len(sent(chart, "fastest")[0]) > 0
     assert caption(chart) == "Energy from the supply, kWh"
