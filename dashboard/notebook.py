@@ -9,13 +9,13 @@ from itertools import cycle
 from typing import Any
 
 import holoviews as hv
+import holoviews.plotting.bokeh  # options are known only once their backend is
 import numpy as np
 from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
 from railjoule.dashboard.charts.axis import nice_range
-from railjoule.dashboard.charts.dress import add_zero, dress, line_style
-from railjoule.dashboard.charts.elements import dress_legends
+from railjoule.dashboard.charts.dress import add_zero, dress, dress_legends, line_style
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION, SPEED, Quantity
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT, PIN_DASHES, line_width

@@ -12,13 +12,13 @@ from bokeh.models import (
     EditTool,
     FullscreenTool,
     GlyphRenderer,
-    HoverTool,
-    Range1d,
+    Range,
     SaveTool,
     Span,
 )
 from bokeh.plotting import figure
 
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import function
 from railjoule.dashboard.look.tokens import DASHES, FONT, LIGHT, line_width
@@ -42,6 +42,13 @@ TOOLBAR_CSS = """
 TICKS = function("ticks", "tick_words(tick, digits)")
 HINT_CSS = ".bk-Panel { background-color: var(--rj-surface); color: var(--rj-ink); }"
 """Notes of the library over a figure, which it would write on white in dark colours too."""
+POINT_CSS = Markup(
+    ":host { --tooltip-color: var(--rj-surface) !important; --tooltip-border: var(--rj-line2) !important; "
+    "--tooltip-arrow-color: var(--rj-line2) !important; opacity: 1 !important; } "
+    "div.point-tip { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); max-width: 260px; white-space: normal; } "
+    "div.point-tip b { color: var(--rj-ink); font-weight: 600; }"
+)
+"""Of the text under the mouse, which Bokeh draws within its own root."""
 RIGHT_BORDER_PX = 30
 """The toolbar stands in it, and below it half of the last number of an axis."""
 DARK_INK, WHITE = LIGHT["ink"], "#FFFFFF"
@@ -145,6 +152,23 @@ def dragged(figure: figure, script: str, answer: str = "", **args: Any) -> Custo
     return drag
 
 
+def point_tip(*pairs: tuple[str, str]) -> Markup:
+    """Return the tooltip of a point: words, and names of columns in the place of their values, which Bokeh escapes."""
+    lines = joined(markup("<div>{}: <b>{}</b></div>", word, value) for word, value in pairs)
+    return markup('<div class="point-tip"><style>{}</style>{}</div>', POINT_CSS, lines)
+
+
+def dress_legends(f: figure, palette: Palette, ground: str | None = "surface") -> None:
+    """Give the legends of a figure our font and colours, and a ground where one is named."""
+    for legend in f.legend:
+        legend.update(label_text_font=FONT, label_text_font_size="12px", border_line_color=None)
+        palette.paint(legend, label_text_color="ink2")
+        if ground is None:
+            legend.background_fill_color = None
+        else:
+            palette.paint(legend, background_fill_color=ground)
+
+
 def text_style(size: int = 12) -> dict[str, object]:
     """Return the properties of text glyphs in charts."""
     # as values: Bokeh would take a bare text for the name of a column
@@ -173,8 +197,8 @@ def _lightness(colour: str) -> float:
 
 def empty_figure(
     height: int,
-    x_range: Range1d,
-    y_range: Range1d,
+    x_range: Range,
+    y_range: Range,
     name: str,
     palette: Palette,
     ticks: int = 6,
@@ -185,20 +209,8 @@ def empty_figure(
     """Return a figure with both axes; where the y axis has no title, the caption names it."""
     f = figure(height=height, x_range=x_range, y_range=y_range, tools="")
     f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
-    dress_single(f, name, palette, ticks, digits)
-    return f
-
-
-def dress_single(
-    f: figure, name: str, palette: Palette, ticks: int = 6, digits: int = 0, keeps_hover: bool = False
-) -> None:
-    """Give a figure its name, the look of a figure with axes of its own, and its toolbar.
-
-    Of the tools that the figure has, only hover tools can be kept.
-    """
     f.update(
         sizing_mode="stretch_width",
-        tools=[tool for tool in f.tools if keeps_hover and isinstance(tool, HoverTool)],
         # many figures share one WebGL surface, which a page does not need for so few marks
         output_backend="canvas",
         outline_line_color=None,
@@ -211,3 +223,4 @@ def dress_single(
     dress(f, palette, ticks, digits)
     add_tools(f, name, palette)
     palette.paint(f.xaxis[0], axis_line_color="line2")
+    return f

@@ -1,4 +1,4 @@
-"""The kinds of charts: over an axis that figures share, with axes of their own, or with finished figures."""
+"""The kinds of charts: over an axis that figures share, or with axes of their own."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,7 +20,7 @@ from bokeh.plotting import figure
 from railjoule.core.energy import SMALL_ENERGY_KWH
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.chart import Chart
-from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX, add_tools, check_complete, dress, empty_figure, lighten
+from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX, add_tools, dress, empty_figure
 from railjoule.dashboard.charts.names import Frame
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
@@ -144,7 +144,7 @@ class DistanceChart(Chart):
 
 def captioned(text: str, f: figure) -> pn.Column:
     """Return a figure under its caption."""
-    # 50 px, as `dress_single` keeps left of the frame
+    # 50 px, as `empty_figure` keeps left of the frame
     caption = parts.markup('<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>', text)
     return parts.stack(
         parts.html_pane(caption, css_classes=["rj-caption"]), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
@@ -183,17 +183,3 @@ class LoneChart(Chart):
         """The part of the figure that is drawn in, with what its axes span."""
         x, y = ((float(ends.start), float(ends.end)) for ends in (self.x_range, self.y_range))
         return self.frame_over(x, y)
-
-
-class FinishedChart(Chart):
-    """A chart whose figures come finished, as from a thread; each takes the place of the one before."""
-
-    def build(self) -> None:
-        """Make nothing: `draw` takes a figure."""
-
-    def draw(self, f: figure) -> None:
-        """Take a figure that stands in no document yet."""
-        f.height = self.height
-        lighten(f)
-        check_complete(f)
-        self.figure, self.content = f, captioned(self.caption, f)

@@ -1,5 +1,3 @@
-import subprocess
-import sys
 from typing import Any
 
 import pytest
@@ -75,22 +73,3 @@ def test_a_server_that_others_reach_says_that_there_is_no_login(
     monkeypatch.setattr(app, "run", lambda _: None)
     app.serve(ServerOptions(address=address))
     assert ("There is no login" in caplog.text) is told
-
-
-LATE = """
-import sys
-from railjoule.dashboard.app import Session
-from railjoule.dashboard.page_list import PAGES
-session = Session()
-for page in PAGES:
-    if page != "Papers":
-        session.state.page = page
-        session.views[page]
-assert "holoviews" not in sys.modules, "loaded too early"
-"""
-
-
-@pytest.mark.nightly
-def test_no_page_loads_holoviews_before_it_is_asked_for() -> None:
-    found = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, check=False)
-    assert found.returncode == 0, found.stderr[-2000:]

@@ -22,12 +22,11 @@ from bokeh.plotting import figure
 
 from railjoule.core.arrays import FloatArray
 from railjoule.dashboard.charts.chart import no_grid
-from railjoule.dashboard.charts.dress import ink_on
+from railjoule.dashboard.charts.dress import ink_on, point_tip
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import DARK
 from railjoule.dashboard.pages.explore.compute import CELLS, Bounds, Look, Raster
@@ -41,12 +40,6 @@ QUANTILE_WORDS = "5 %", "median", "95 %"
 BOTTOM_PX = 46
 """Numbers and title of the lower axis: the histogram beside it ends where the frame of the runs does."""
 OTHER_HEIGHTS = (116, 130, 116)
-TIP_CSS = (
-    ":host { --tooltip-color: var(--rj-surface) !important; --tooltip-border: var(--rj-line2) !important; "
-    "--tooltip-arrow-color: var(--rj-line2) !important; opacity: 1 !important; } "
-    "div.point-tip { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); } "
-    "div.point-tip b { color: var(--rj-ink); font-weight: 600; }"
-)
 Select = Callable[[dict[str, Ends]], None]
 
 
@@ -150,11 +143,11 @@ class RunsChart(SelectingChart):
             axis.formatter.args = {"digits": digits_for(40 * (high - low))}
         low, high = look.colour_ends
         self.mapper.update(low=low, high=high, palette=list(colours_for(dark)))
-        self.tips[0].tooltips = _tip(
+        self.tips[0].tooltips = point_tip(
             ("Run", "@row"), (x.words, "@x{0,0.00}"), (y.words, "@y{0,0.00}"), (colour.words, "@colour{0,0.00}")
         )
         mean = f"Mean {colour.within_sentence}, {colour.unit}".rstrip(", ")
-        self.tips[1].tooltips = _tip(("Runs here", "@count"), (mean, "@image"))
+        self.tips[1].tooltips = point_tip(("Runs here", "@count"), (mean, "@image"))
         self._look = look
         if look.raster is None:
             self.clear("seen", "known")
@@ -204,12 +197,6 @@ def coloured(raster: Raster, ends: Ends, scale: Any, grey: str) -> Any:
     pixels[..., 3] = np.where(raster.count > 0, 255 * alpha, 0)
     pixels[(raster.count == 0) & (raster.others > 0)] = [int(grey[k : k + 2], 16) for k in (1, 3, 5)] + [255]
     return pixels.view(np.uint32)[..., 0]
-
-
-def _tip(*pairs: tuple[str, str]) -> Markup:
-    """Return the content of a tooltip, with the names of columns in the place of their values."""
-    lines = joined(markup("<div>{}: <b>{}</b></div>", word, number) for word, number in pairs)
-    return markup('<div class="point-tip"><style>{}</style>{}</div>', Markup(TIP_CSS), lines)
 
 
 class HistogramChart(SelectingChart):

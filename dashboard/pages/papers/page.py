@@ -4,26 +4,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from io import StringIO
-from threading import Lock
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 import param
-from bokeh.plotting import figure as Figure  # noqa: N812  (a paper's figure is another thing)
 from panel.viewable import Viewable
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.scenario.document import format_scenario
 from railjoule.core.validation import COMPARISONS, Validation
-from railjoule.core.validation.table import PaperFigure
+from railjoule.core.validation.table import FigureData, PaperFigure
 from railjoule.dashboard.browser import one_message
-from railjoule.dashboard.charts.figures import FinishedChart
-from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.look.markup import joined, markup
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import padded, parts_css
-from railjoule.dashboard.page import Page, Request, shows, study, work
+from railjoule.dashboard.page import Page, Request, shows, study
+from railjoule.dashboard.pages.papers.charts import DIFFERENCES, draw_panel
 from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
 from railjoule.dashboard.pages.papers.tables import finding, overview_html, paper_html, refuted_html, tables_csv
 from railjoule.dashboard.parts import html as parts
@@ -36,13 +32,6 @@ VALIDATION = Program(
     "for paper, compute in PAPERS.items():\n    print(paper, compute())\n",
     "validate",
     of_scenario=False,
-)
-CAPTION = "railjoule minus paper, in % of the printed number; percentages in percentage points, %"
-DIFFERENCES = Plot(
-    "differences",
-    CAPTION,
-    heights=(330, 420, 320),
-    chart=lambda height, _: FinishedChart("differences", CAPTION, height),
 )
 PAPER_CSS = padded("12px 20px 14px", "10px 14px")
 OVERVIEW = "overview"
@@ -79,52 +68,18 @@ SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
 
 @dataclass(frozen=True, eq=False)
-class Rebuilt:
-    """A printed figure as railjoule computes it.
-
-    Parameters
-    ----------
-    panels : list of Figure
-    palette : Palette
-        The colours of the panels.
-    note : str
-    """
-
-    panels: list[Figure]
-    palette: Palette
-    note: str
-
-
-@dataclass(frozen=True, eq=False)
 class RebuiltFigures:
-    """The figures of a paper that are computed so far, in their order."""
+    """The data of the figures of a paper that are computed so far, in their order."""
 
     paper: str
-    figures: tuple[Rebuilt, ...] = ()
-
-
-LOADING = Lock()
-"""Held while HoloViews loads: two threads that import its modules at the same time leave one of them half loaded."""
-
-
-def draw_differences(papers: tuple[Validation, ...]) -> tuple[Figure, Palette]:
-    """Draw all differences, in a thread because HoloViews takes its time to load."""
-    with LOADING:
-        from railjoule.dashboard.pages.papers.differences import difference_figure  # noqa: PLC0415
-
-    return difference_figure(papers, dark=False)
+    figures: tuple[FigureData, ...] = ()
 
 
 def rebuild_figures(name: str) -> Iterator[RebuiltFigures]:
-    """Compute and draw the figures of a paper, and yield them with each that is added."""
-    with LOADING:
-        from railjoule.dashboard.pages.papers.panels import draw_panel  # noqa: PLC0415
-
+    """Compute the figures of a paper, and yield them with each that is added."""
     done = RebuiltFigures(name)
     for printed in COMPARISONS[name]().figures:
-        data, palette = printed.compute(), Palette(dark=False)
-        panels = [draw_panel(panel, printed.place, palette) for panel in data.panels]
-        done = RebuiltFigures(name, (*done.figures, Rebuilt(panels, palette, data.note)))
+        done = RebuiltFigures(name, (*done.figures, printed.compute()))
         yield done
 
 
@@ -138,7 +93,6 @@ class Papers(Page):
     figures = (DIFFERENCES,)
 
     tab = param.Selector(default=OVERVIEW, objects=[OVERVIEW, *COMPARISONS], doc="The tab in sight.")
-    differences = result(tuple, "The figure of all differences, and its colours.")
     drawn_paper = param.String(default="", doc="The paper whose figures were requested last.")
     drawing = param.Boolean(default=False, doc="Whether its figures are being computed.")
     rebuilt = result(RebuiltFigures, "Its figures so far.")
@@ -148,10 +102,6 @@ class Papers(Page):
         return PageRun(VALIDATION, {"strategy": self.desk.chosen_now})
 
     # ---- what it computes
-
-    @work(into="differences", is_slow=lambda *_: True, tab=OVERVIEW)
-    def _differences(self) -> Request:
-        return draw_differences, tuple(shipped_tables().papers.values())
 
     @study("drawn_paper", into="rebuilt", busy="drawing")
     def _rebuilt(self) -> Request:
@@ -180,15 +130,12 @@ class Papers(Page):
     def _show(self) -> None:
         self.host.tell(self.failure, "")
 
-    @shows("differences", "desk.dark")
+    @shows(tab=OVERVIEW)
     def _show_differences(self) -> None:
-        if self.differences is not None:
-            f, palette = self.differences
-            palette.switch(self.desk.dark)
-            if self.host.plots["differences"].figure is not f:
-                self.host.draw([DIFFERENCES], f)
+        if not self.host.plots["differences"].is_drawn:
+            self.host.draw([DIFFERENCES], tuple(shipped_tables().papers.values()))
 
-    @shows("rebuilt", "drawing", "drawn_paper", "desk.dark")
+    @shows("rebuilt", "drawing", "drawn_paper")
     def _show_figures(self) -> None:
         for name, section in self.sections.items():
             section.show_figures(self.rebuilt if self.rebuilt and self.rebuilt.paper == name else None)
@@ -206,7 +153,7 @@ class PaperSection:
     def __init__(self, page: Papers, name: str, paper: Validation) -> None:
         self.page, self.name, self.paper = page, name, paper
         comparison = COMPARISONS[name]()
-        self._printed, self._drawn = comparison.figures, tuple[Rebuilt, ...]()
+        self._printed, self._drawn = comparison.figures, tuple[FigureData, ...]()
         self.download = pmui.FileDownload(
             callback=self._csv,
             filename=f"{name}.csv",
@@ -246,8 +193,6 @@ class PaperSection:
             pairs = list(zip(self._printed, self._drawn, strict=False))[shown:]
             with one_message():
                 self.figures.extend([self._figure(printed, one) for printed, one in pairs])
-        for one in self._drawn:
-            one.palette.switch(self.page.desk.dark)
         self.button.disabled = self.page.drawing
         self.button.visible = len(self._drawn) < len(self._printed)
         left = f"{len(self._printed) - len(self._drawn)} more to compute."
@@ -256,11 +201,12 @@ class PaperSection:
     def _csv(self) -> StringIO:
         return StringIO(tables_csv(self.paper.tables))
 
-    def _figure(self, printed: PaperFigure, rebuilt: Rebuilt) -> Viewable:
+    def _figure(self, printed: PaperFigure, rebuilt: FigureData) -> Viewable:
         """Return a printed figure that is computed, and the way to its scenario."""
         template = '<h3 style="font-weight:600">{}</h3><p class="muted small">{}</p>'
         heading = parts.html_pane(markup(template, printed.place, printed.caption))
-        panels = [pn.pane.Bokeh(panel, margin=0, sizing_mode="stretch_width") for panel in rebuilt.panels]
+        drawn = [draw_panel(panel, printed.place, self.page.host.palette) for panel in rebuilt.panels]
+        panels = [pn.pane.Bokeh(panel, margin=0, sizing_mode="stretch_width") for panel in drawn]
         note = parts.html_pane(parts.note_paragraphs([rebuilt.note] if rebuilt.note else []))
         button = pmui.Button(
             label=f"Open {printed.place} in the workbench",

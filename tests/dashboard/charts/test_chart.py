@@ -1,19 +1,12 @@
-import gc
-import weakref
-
-import holoviews as hv
 import panel as pn
 import pytest
 from bokeh.core.property.descriptors import UnsetValueError
-from bokeh.document import Document
-from bokeh.io.doc import patch_curdoc
 from bokeh.models import LinearColorMapper
 from bokeh.plotting import figure
 
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.dress import check_complete
-from railjoule.dashboard.charts.elements import render_figure
 from railjoule.dashboard.look.paint import Palette
 
 
@@ -67,24 +60,3 @@ def test_a_figure_that_lacks_what_its_models_need_is_not_sent() -> None:
     f.image("image", 0, 0, 1, 1, color_mapper=LinearColorMapper())
     with pytest.raises(UnsetValueError, match="palette"):
         check_complete(f)
-
-
-def _of_points() -> figure:
-    return render_figure(lambda: hv.Points([(1.0, 2.0), (3.0, 4.0)]))
-
-
-def test_the_page_being_served_meanwhile_is_left_alone() -> None:
-    page = Document()
-    theme = page.theme
-    # Bokeh's current document is the same for all threads: a figure made beside a session in hand sees its page
-    with patch_curdoc(page):
-        f = _of_points()
-    assert page.theme is theme
-    assert page.session_destroyed_callbacks == set()
-    assert f.document is None
-
-
-def test_nothing_keeps_a_figure_that_is_dropped() -> None:
-    f = weakref.ref(_of_points())
-    gc.collect()
-    assert f() is None

@@ -13,7 +13,6 @@ from turns import PATIENCE_S, Page
 
 from railjoule.dashboard.page_list import page_classes
 from railjoule.dashboard.page_work import PageWorks
-from railjoule.dashboard.pages.papers.compute import ShippedTables
 from railjoule.dashboard.pages.what_if.compute import compute_reality
 from railjoule.dashboard.work import worker
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
@@ -24,8 +23,10 @@ WORKS = [name for name, page in page_classes().items() if any(page.methods("work
 """The pages that compute."""
 OWN_ABOUT = {"Explore", "Learn", "Papers", "Start"}
 """What they compute is of no scenario, or belongs to the study that was begun with it."""
-ONCE = {"Learn", "Papers", "Start"}
+ONCE = {"Learn", "Start"}
 """What they ask for does not follow the sliders."""
+BY_HAND = {"Papers"}
+"""They ask for nothing without a press of a button; tests/dashboard/pages/papers has that."""
 PRESETS = {"Drive": "tram-950m-recuperating", "Line": "metro-10-stations", "Motor": "ftorek-300s"}
 GO_ON = {"Drive.further_proof", "Explore.step", "Papers.rebuilt", "What if.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
@@ -114,10 +115,8 @@ class Desk:
             running = job.job._running if isinstance(job.job, Worker) else job.job.busy
 
 
-@pytest.fixture(params=WORKS)
-def desk(request, monkeypatch):
-    # the papers as with other code than that which computed those that are shipped: then they are computed again
-    monkeypatch.setattr("railjoule.dashboard.pages.papers.page.shipped_tables", lambda: ShippedTables({}, False))
+@pytest.fixture(params=[name for name in WORKS if name not in BY_HAND])
+def desk(request):
     desk = Desk(request.param)
     yield desk
     for job in desk.jobs.values():

@@ -14,9 +14,9 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.pages.papers.charts import draw_panel
 from railjoule.dashboard.pages.papers.compute import ShippedTables
 from railjoule.dashboard.pages.papers.page import COMPUTED, COMPUTED_BEFORE, Papers
-from railjoule.dashboard.pages.papers.panels import draw_panel
 from railjoule.dashboard.workbench import Workbench
 
 # Panel warns once of how panel-material-ui calls it
@@ -61,7 +61,7 @@ def test_what_is_shipped_is_shown(papers: Papers) -> None:
     assert COMPUTED in texts
     assert COMPUTED_BEFORE not in texts
     assert "One table" in papers.sections["ftorek"].tables.object
-    assert len(papers.host.plots["differences"].figure.renderers) == 2
+    assert len(papers.host.plots["differences"].figure.renderers) == 1
 
 
 @pytest.mark.parametrize("dark", [False, True])
@@ -79,11 +79,12 @@ def test_printed_points_have_the_colour_of_their_line(dark: bool) -> None:
 def test_a_figure_is_computed_drawn_and_opened(papers: Papers) -> None:
     section = papers.sections["ftorek"]
     assert not len(section.figures)
-    papers.desk.dark = True
     section.button.clicks += 1
     assert not papers.drawing
     ((_, panels, note, button),) = section.figures
     assert len(panels) == 2
+    assert panels[0].object.renderers[0].glyph.line_color == THEMES["light"]["accent"]
+    papers.host.palette.switch(dark=True)
     assert panels[0].object.renderers[0].glyph.line_color == THEMES["dark"]["accent"]
     assert "All agree." in note.object
     assert not section.button.visible

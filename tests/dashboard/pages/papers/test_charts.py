@@ -2,20 +2,13 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from railjoule.core.validation import Row, Table, Validation
+from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
+from railjoule.dashboard.pages.papers.charts import STYLES, TIP_COLUMNS, DifferencesChart, differences, scaled
 from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
-from railjoule.dashboard.pages.papers.differences import (
-    STYLES,
-    TIP_COLUMNS,
-    difference_figure,
-    differences,
-    scaled,
-    tip,
-)
 
 ROWS = (
     Row("a", "W", "Wh", 100.0, 103.0, source="a"),
@@ -32,13 +25,12 @@ def paper(name: str) -> Validation:
 
 
 def test_a_row_with_a_difference_is_a_dot() -> None:
-    rows = differences([paper("ftorek"), paper("rawicki")])
-    np.testing.assert_array_equal(rows.dimension_values("row"), [1, 2, 3, 4])
+    found = differences([paper("ftorek"), paper("rawicki")])
+    assert [of["x"] for of in found.values()] == [[1, 2], [3, 4]]
     # 3 % of 100 Wh, and half a percentage point less
-    np.testing.assert_allclose(rows.dimension_values("height")[:2], [math.asinh(3.0), math.asinh(-0.5)])
-    assert list(rows.dimension_values("Paper")) == ["Ftorek", "Ftorek", "Rawicki", "Rawicki"]
-    assert [rows.dimension_values(word)[0] for word in TIP_COLUMNS] == [
-        "Ftorek",
+    assert found["ftorek"]["y"] == pytest.approx([math.asinh(3.0), math.asinh(-0.5)])
+    assert [found["rawicki"][word][0] for word in TIP_COLUMNS] == [
+        "Rawicki",
         "Energies",
         "a",
         "W",
@@ -48,30 +40,34 @@ def test_a_row_with_a_difference_is_a_dot() -> None:
     ]
 
 
+def drawn(papers: list[Validation], dark: bool = False) -> DifferencesChart:
+    chart = DifferencesChart("differences", "Differences, %", 300, Palette(dark))
+    chart.show(lambda: chart.draw(papers))
+    return chart
+
+
 @pytest.mark.parametrize("dark", [False, True])
 def test_the_shipped_numbers_are_drawn_by_paper(dark: bool) -> None:
     papers = list(shipped_tables().papers.values())
-    f, _ = difference_figure(papers, dark)
     compared = {
         one.paper: sum(bool(row.source) and row.difference is not None for table in one.tables for row in table.rows)
         for one in papers
     }
-    drawn = [name for name, count in compared.items() if count]
-    assert [item.label.value for item in f.legend[0].items] == [AUTHORS[name] for name in drawn]
+    names = [name for name, count in compared.items() if count]
+    f = drawn(papers, dark).figure
+    assert [item.label.value for item in f.legend[0].items] == [AUTHORS[name] for name in names]
     tokens = THEMES["dark" if dark else "light"]
-    band, *dots = f.renderers
-    assert band.fill_color == tokens["tint"]
-    for layer, name in zip(dots, drawn, strict=True):
-        assert len(layer.data_source.data["row"]) == compared[name]
+    for layer, name in zip(f.renderers, names, strict=True):
+        assert len(layer.data_source.data["x"]) == compared[name]
         assert (layer.glyph.fill_color, layer.glyph.marker) == (tokens[STYLES[name][0]], STYLES[name][1])
     assert f.yaxis[0].major_label_overrides[scaled(-30)] == "\u221230"
+    (tip,) = f.hover
+    assert all(f"@{word}" in tip.tooltips for word in TIP_COLUMNS)
 
 
 def test_every_paper_has_a_colour_and_a_name() -> None:
     assert STYLES.keys() == AUTHORS.keys() == shipped_tables().papers.keys()
-    assert all(f"@{word}" in tip() for word in TIP_COLUMNS)
 
 
 def test_without_any_difference_there_is_an_empty_figure() -> None:
-    f, _ = difference_figure([], dark=False)
-    assert len(f.renderers) == 1
+    assert drawn([]).figure.renderers == []
