@@ -99,8 +99,7 @@ class DifferencesChart(LoneChart):
         f.add_tools(HoverTool(tooltips=point_tip(*((word, f"@{word}") for word in TIP_COLUMNS)), visible=False))
         _place_legend(f, self.palette, len(STYLES))
         most = max((abs(height) for columns in found.values() for height in columns["y"]), default=1.0)
-        # the legend stands within the frame, above all dots
-        self.set_ranges((0, 1 + sum(len(columns["x"]) for columns in found.values())), (-1.06 * most, 1.3 * most))
+        self.set_ranges((0, 1 + sum(len(columns["x"]) for columns in found.values())), (-1.06 * most, 1.06 * most))
 
 
 DIFFERENCES = Plot(
@@ -146,6 +145,9 @@ def _looks(lines: Sequence[Line]) -> dict[str, tuple[str, str]]:
 
 
 def _place_legend(f: figure, palette: Palette, columns: int) -> None:
-    for legend in f.legend:
-        legend.update(location="top", ncols=columns, spacing=4, padding=2, margin=0)
+    """Put the legend above the frame, where it hides no data."""
+    for legend in list(f.legend):
+        legend.update(location="center", ncols=columns, spacing=4, padding=2, margin=0)
+        f.center.remove(legend)
+        f.add_layout(legend, "above")
     dress_legends(f, palette, None)
