@@ -153,7 +153,7 @@ class LineStrip(SceneChart):
         ends = scene.x_of_place(borders)
         radii = np.array([section.curve_radius_m for section in line.sections])
         self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], bottom, relief)
-        texts = [words.signed(gradient, 0 if gradient == round(gradient) else 1) for gradient in gradients]
+        texts = [words.tenths(gradient, words.signed) for gradient in gradients]
         room = np.diff(ends) / scene.end * scene.width_px
         texts = [curve_words(*one) for one in zip(texts, radii, room, strict=True)]
         fits = np.array([len(text) * WORD_PX + 6 < pixels for text, pixels in zip(texts, room, strict=True)])

@@ -1,6 +1,6 @@
 """The sidebar: which scenario, the plan, the fields of the page in sight, the strategies, the changed fields."""
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import panel as pn
@@ -10,7 +10,6 @@ from panel.viewable import Viewable
 from railjoule.core import RailjouleError
 from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario
-from railjoule.core.scenario.line import Stretch
 from railjoule.dashboard.browser import Browser, one_message, unfrozen
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
@@ -265,37 +264,25 @@ def page_fields(page: Page) -> Viewable:
     return stack(*(_field(page, spec) for spec in page.fields), html_pane('<hr class="rule">'))
 
 
-def _permille(gradient: float) -> str:
-    return words.signed(gradient, 0 if gradient == round(gradient) else 1)
-
-
 def line_rows(state: Workbench) -> Markup:
     """Describe the line, in rows."""
+    permille = partial(words.tenths, number=words.signed)
     line = state.scenario.edited.line.in_running_order()
     gradients = [section.gradient_permille for section in line.sections]
     if min(gradients) == max(gradients):
-        level = "level" if gradients[0] == 0 else f"{_permille(gradients[0])} {words.PER_MILLE}"
+        level = "level" if gradients[0] == 0 else f"{permille(gradients[0])} {words.PER_MILLE}"
     else:
-        level = f"{_permille(min(gradients))} to {_permille(max(gradients))} {words.PER_MILLE}"
-    rows = [markup('<div class="row"><span>{} km, {}</span></div>', words.distance(line.length_m), level)]
-    rows += [
-        markup(
-            '<div class="row"><span>Limit {} km/h</span><span>{}\u2013{} m</span></div>',
-            *(f"{value:g}" for value in (limit.limit_kmh, limit.from_m, limit.to_m)),
-        )
-        for limit in line.speed_limits
+        level = f"{permille(min(gradients))} to {permille(max(gradients))} {words.PER_MILLE}"
+    stretches: list[tuple[str, float, float]] = [
+        *((f"Limit {words.tenths(one.limit_kmh)} km/h", one.from_m, one.to_m) for one in line.speed_limits),
+        *(("Traction limit", one.from_m, one.to_m) for one in line.traction_limits),
+        *((f"{one.condition.capitalize()} rails", one.from_m, one.to_m) for one in line.rail_conditions),
+        *(("Neutral section", *ends) for ends in neutral_stretches(line).tolist()),
     ]
-    restricted: list[tuple[str, Stretch]] = [("Traction limit", one) for one in line.traction_limits]
-    restricted += [(f"{one.condition.capitalize()} rails", one) for one in line.rail_conditions]
-    rows += [
-        markup('<div class="row"><span>{}</span><span>{:g}\u2013{:g} m</span></div>', name, one.from_m, one.to_m)
-        for name, one in restricted
-    ]
-    rows += [
-        markup(
-            '<div class="row"><span>Neutral section</span><span>{}\u2013{} m</span></div>',
-            *(f"{end:g}" for end in ends),
-        )
-        for ends in neutral_stretches(line).tolist()
-    ]
-    return joined(rows)
+    row = '<div class="row"><span>{}</span><span>{}\u2013{} m</span></div>'
+    return joined(
+        [
+            markup('<div class="row"><span>{} km, {}</span></div>', words.distance(line.length_m), level),
+            *(markup(row, name, words.tenths(begin), words.tenths(end)) for name, begin, end in stretches),
+        ]
+    )

@@ -141,7 +141,7 @@ def height_preview(line: Line, gaps: Sequence[Gap]) -> Preview:
     relief = max(float(np.ptp(y)), LEAST_RELIEF_M)
     low, high = float(y.min()) - 0.15 * relief, float(y.max()) + ROOM_SHARE * relief
     stretches = alike(line, [one.gradient_permille for one in line.sections])
-    signs = [(a, b, high, words.signed(g, 0 if g == round(g) else 1)) for a, b, g in stretches]
+    signs = [(a, b, high, words.tenths(g, words.signed)) for a, b, g in stretches]
     return Preview((section_borders(line), y), low, (low, high), gaps, signs=signs)
 
 
@@ -149,7 +149,7 @@ def limits_preview(line: Line, gaps: Sequence[Gap]) -> Preview:
     """Return the speed limits as steps; where there is none, there is no value."""
     limits = [one.speed_limit_kmh or np.nan for one in line.sections]
     top = 1.2 * max((limit for limit in limits if limit > 0), default=100.0)
-    signs = [(a, b, limit, f"{limit:g}") for a, b, limit in alike(line, limits) if limit > 0]
+    signs = [(a, b, limit, words.tenths(limit)) for a, b, limit in alike(line, limits) if limit > 0]
     return Preview(as_steps(section_borders(line), np.array(limits)), top, (0.0, top), gaps, signs=signs)
 
 

@@ -6,12 +6,11 @@ from functools import partial
 
 import numpy as np
 import pytest
-from bokeh.models import FullscreenTool, GlyphRenderer, HoverTool, SaveTool
+from bokeh.models import FullscreenTool, GlyphRenderer, SaveTool
 from bokeh.plotting import figure
 
 from railjoule.dashboard.app import Session
-from railjoule.dashboard.charts.dress import DARK_INK, WHITE, dress_single
-from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.charts.dress import DARK_INK, WHITE
 from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.learn.lessons import LESSONS
@@ -206,11 +205,3 @@ def has_toolbar(f):
     buttons = [type(tool) for tool in f.tools if tool.visible]
     names = [tool.filename for tool in f.tools if isinstance(tool, SaveTool)]
     return buttons == [FullscreenTool, SaveTool] and all(names) and bool(f.toolbar_location) and f.toolbar.autohide
-
-
-@pytest.mark.parametrize("keeps_hover", [True, False])
-def test_figures_that_are_made_in_threads_have_the_toolbar(keeps_hover):
-    f = figure(tools="pan,hover,save,reset")
-    dress_single(f, "Energy, kWh", Palette(dark=True), keeps_hover=keeps_hover)
-    assert has_toolbar(f)
-    assert {type(tool) for tool in f.tools} == {FullscreenTool, SaveTool} | ({HoverTool} if keeps_hover else set())
