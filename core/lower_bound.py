@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 # a millisecond in a quarter of an hour
 LATE_SHARE = 1e-6
 """A run that is later than a bound's time by less than this share of it is in time but for rounding."""
+BELOW_SHARE = 1e-5
+"""By this share of its bound a run may lie below it: the last digits of a solver. More is a fault of its mesh."""
 # the rest that a solver leaves of its time
 ON_TIME_S = 1e-5
 """An arrival this close to its window keeps it."""

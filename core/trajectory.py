@@ -12,7 +12,7 @@ from railjoule.core.check import CheckResult
 from railjoule.core.citation import bibtex
 from railjoule.core.drive import Drive
 from railjoule.core.energy import Energy, share_above, supply_current_a
-from railjoule.core.lower_bound import ON_TIME_S, Bound, Reference, Window
+from railjoule.core.lower_bound import BELOW_SHARE, ON_TIME_S, Bound, Reference, Window
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line
 from railjoule.core.phases import Phase, RunData, find_phases
@@ -189,12 +189,12 @@ class Trajectory:
     @property
     def is_proven(self) -> bool:
         """Whether the bound proves that no run needs less by more than `solver.tolerance`."""
-        return self.gap is not None and abs(self.gap) <= self.scenario.solver.tolerance
+        return self.gap is not None and -BELOW_SHARE <= self.gap <= self.scenario.solver.tolerance
 
     @property
     def is_below_bound(self) -> bool:
-        """Whether the run needs less than its bound by more than `solver.tolerance`: its mesh is too coarse."""
-        return self.gap is not None and self.gap < -self.scenario.solver.tolerance
+        """Whether the run needs less than its bound by more than rounding: its mesh is too coarse for its account."""
+        return self.gap is not None and self.gap < -BELOW_SHARE
 
     @property
     def all_notes(self) -> tuple[str, ...]:

@@ -3,26 +3,29 @@
 Solve, bound, compare the cost of the run with the share of the bound cell by cell, cut the cells in which they differ,
 and repeat. That cost is the energy of the run between the nodes, or that of its account, which takes the mean speed of
 each cell: what differs more from the bound. The gap of a cell of the length h falls with h^2 or faster, so that a cell
-whose gap is k^2 times its share of the tolerance is cut into k. Cells are also cut where the run would exceed its
-limits between the nodes, and none stays more than four times as long as its neighbour.
+whose gap is k^2 times its share of the tolerance is cut into k. Three faults of a mesh are cured, each by itself: a gap
+above the tolerance, limits that the run exceeds between the nodes, and an account below the bound. That account is too
+low where the power has a kink between the speeds of a cell, as next to a stop where the electric brake begins to draw.
+No cell stays more than four times as long as its neighbour.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.bounds.minimum import Solution, minimise
 from railjoule.core.budget import current_budget
 from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bound
 from railjoule.core.energy import net_energy
 from railjoule.core.errors import RailjouleError, SolverError
-from railjoule.core.lower_bound import LATE_SHARE
+from railjoule.core.lower_bound import BELOW_SHARE, LATE_SHARE
 from railjoule.core.motion import running_time
 from railjoule.core.physics.between_nodes import RunBetweenNodes, follow_between_nodes, slow_to_possible
 from railjoule.core.physics.energy_balance import reference_energy, run_balance
+from railjoule.core.physics.mesh_data import MeshData
 from railjoule.core.task import Task, task_over_nodes
-from railjoule.core.trajectory import supply_energies_j
+from railjoule.core.trajectory import Trajectory, supply_energies_j
 
 MAX_ROUNDS = 6
 """Solutions at most; nearly all scenarios need one to three."""
@@ -65,12 +68,26 @@ class RefinedOptimum:
     rounds: int
 
     @property
+    def scale_j(self) -> float:
+        """Reference energy of the run, over which gaps are taken [J]."""
+        return reference_energy(self.task.mesh.data, self.energy_j, self.task.running_time_s)
+
+    @property
     def gap(self) -> float:
         """Energy of the run less the bound, over the reference energy: followed between the nodes or as its account."""
-        data, followed = self.task.mesh.data, self.followed
-        followed_j = followed.total_j + data.auxiliary_power_w * followed.total_s
-        scale_j = reference_energy(data, followed_j, self.task.running_time_s)
-        return max(((energy_j - self.bound.energy_j) / scale_j for energy_j in (followed_j, self.energy_j)), key=abs)
+        followed_j = self.followed.total_j + self.task.mesh.data.auxiliary_power_w * self.followed.total_s
+        gaps = [(energy_j - self.bound.energy_j) / self.scale_j for energy_j in (followed_j, self.energy_j)]
+        return max(gaps, key=abs)
+
+    @property
+    def is_below_bound(self) -> bool:
+        """Whether the account of the cells puts the run below the bound."""
+        return self.energy_j - self.bound.energy_j < -BELOW_SHARE * self.scale_j
+
+    @property
+    def is_true(self) -> bool:
+        """Whether the train can drive the run between the nodes, with the energy that its account has."""
+        return self.followed.is_possible and not self.is_below_bound
 
     @property
     def energy_j(self) -> float:
@@ -123,30 +140,22 @@ def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> 
     """
     bound = max(before.bound, found.bound, key=lambda bound: bound.energy_j)
     before, found = (replace(one, bound=bound, rounds=found.rounds) for one in (before, found))
-    stands = before.gap >= -tolerance and before.followed.is_possible
-    if not stands or abs(found.gap) <= max(abs(before.gap), tolerance):
+    if not before.is_true or abs(found.gap) <= max(abs(before.gap), tolerance):
         return found
     return before
 
 
-def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
-    """Return the cost of the run in each cell less the share of the bound [J]; shape (n,)."""
+def cell_gaps_j(found: RefinedOptimum) -> tuple[FloatArray, FloatArray]:
+    """Return the cost of each cell less the share of the bound [J]: by the account, and between nodes; shape (n,)."""
     data, optimum, pieces = found.task.mesh.data, found.solution.optimum, found.bound.pieces
-    price_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
-    account = run_balance(data, optimum.speed2)
     count = len(data.cell_length_m)
     numbers = np.arange(count)
     first = np.searchsorted(pieces.cell, numbers)
     last = np.searchsorted(pieces.cell, numbers, side="right") - 1
     start, end = pieces.motion[0, first] * optimum.speed2[:-1], pieces.motion[1, last] * optimum.speed2[1:]
-    costs = (
-        (account.supply_power_w + price_w) * account.duration_s,
-        found.followed.supply_energy_j + price_w * found.followed.duration_s,
-    )
     shares_j = np.bincount(pieces.cell, found.bound.shares_j, count) + data.half_inertia_kg * (end - start)
-    by_account, followed = (cost_j - shares_j for cost_j in costs)
-    gaps: FloatArray = np.where(np.abs(by_account) > np.abs(followed), by_account, followed)
-    return gaps
+    by_account, followed = _priced_costs_j(data, optimum.speed2, found.followed, optimum.price_of_time_w)
+    return by_account - shares_j, followed - shares_j
 
 
 def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
@@ -182,18 +191,23 @@ def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
 
 def _cuts(found: RefinedOptimum, tolerance: float, max_cells: int) -> IntArray:
     """Return into how many parts each cell is cut, 1 in all where no more cells would help; shape (n,)."""
-    data, optimum = found.task.mesh.data, found.solution.optimum
-    whole = np.ones(len(data.cell_length_m), dtype=int)
-    if abs(found.gap) <= tolerance:
+    length_m = found.task.mesh.data.cell_length_m
+    whole = np.ones(len(length_m), dtype=int)
+    is_close = abs(found.gap) <= tolerance
+    if is_close and found.is_true:
         return whole
-    scale_j = reference_energy(data, optimum.energy_j, found.task.running_time_s)
-    open_share = np.abs(cell_gaps_j(found)) * len(whole) / (tolerance * scale_j)
+    by_account, followed = cell_gaps_j(found)
+    faulty = found.followed.excess_share > MAX_EXCESS
+    if found.is_below_bound:
+        faulty |= _is_low(followed - by_account)
+    open_share = np.maximum(np.abs(by_account), np.abs(followed)) * len(whole) / (tolerance * found.scale_j)
     # with too many cells those that matter most are cut first
     for allotted in ALLOTTED:
-        cuts = np.clip(np.ceil(np.sqrt(open_share / allotted)), 1, MAX_PARTS).astype(int)
-        cuts[found.followed.excess_share > MAX_EXCESS] = MAX_PARTS
-        cuts[data.cell_length_m < SHORTEST_M] = 1
-        cuts = _graded(data.cell_length_m, cuts)
+        parts = np.zeros(len(whole)) if is_close else np.ceil(np.sqrt(open_share / allotted))
+        cuts = np.clip(parts, 1, MAX_PARTS).astype(int)
+        cuts[faulty] = MAX_PARTS
+        cuts[length_m < SHORTEST_M] = 1
+        cuts = _graded(length_m, cuts)
         if cuts.sum() <= max_cells:
             return cuts
     return whole
@@ -213,9 +227,32 @@ def _graded(length_m: FloatArray, cuts: IntArray) -> IntArray:
         cuts = np.where(steep, 2 * cuts, cuts)
 
 
-def halved(task: Task) -> Task:
-    """Return a task over a mesh whose cells are cut into halves."""
-    return _finer_task(task, np.full(task.mesh.cell_count, 2))
+def cut_low_accounts(task: Task, run: Trajectory) -> Task:
+    """Return a task over a mesh that is finer where the account of its run is too low.
+
+    All other cells are halved if the run is below its bound by more than the tolerance.
+    """
+    data, speed2 = task.mesh.data, run.node_speed_ms**2
+    by_account, followed = _priced_costs_j(data, speed2, follow_between_nodes(data, speed2), run.price_of_time_w or 0.0)
+    others = 1 if run.gap is None or run.gap >= -task.scenario.solver.tolerance else 2
+    return _finer_task(task, _graded(data.cell_length_m, np.where(_is_low(followed - by_account), MAX_PARTS, others)))
+
+
+def _priced_costs_j(
+    data: MeshData, speed2: FloatArray, followed: RunBetweenNodes, price_of_time_w: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return energy and priced time of each cell of a run [J]: by its account, and between the nodes; shape (n,)."""
+    account, price_w = run_balance(data, speed2), data.auxiliary_power_w + max(price_of_time_w, 0.0)
+    return (
+        (account.supply_power_w + price_w) * account.duration_s,
+        followed.supply_energy_j + price_w * followed.duration_s,
+    )
+
+
+def _is_low(missing_j: FloatArray) -> BoolArray:
+    """Return the cells whose account misses more energy than that of a mean cell."""
+    is_low: BoolArray = missing_j > np.maximum(missing_j, 0.0).mean()
+    return is_low
 
 
 def _finer_task(task: Task, cuts: IntArray) -> Task:

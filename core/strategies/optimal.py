@@ -9,11 +9,12 @@ from dataclasses import replace
 from itertools import pairwise
 
 from railjoule.core.bounds import Solution, bounded, certify, minimise
-from railjoule.core.continuous_bound.refinement import halved, refined_optimum
+from railjoule.core.continuous_bound.refinement import cut_low_accounts, refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
 from railjoule.core.lower_bound import LATE_SHARE, Reference, Window
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.passes import slowed_to_reach
+from railjoule.core.physics.between_nodes import RunBetweenNodes, follow_between_nodes
 from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.arrival_windows import (
@@ -31,8 +32,8 @@ from railjoule.core.strategy import STRATEGIES, Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
-MAX_HALVINGS = 2
-"""How often the cells of a drive with idle losses are halved whose run needs less than any driving does."""
+MAX_CUTS = 2
+"""How often a mesh is cut for a drive with idle losses where its run needs less than any driving does."""
 SAID_SHARE = 1e-4
 """To which the saving of free switching is rounded up, as a share of the energy."""
 # Of 1,590 random scenarios 42 had an optimum that another strategy's run undercut by over 0.1 %, all on meshes of fewer
@@ -108,10 +109,10 @@ def _by_interior_point(task: Task) -> Trajectory:
     if not task.mesh.drive.has_idle_losses:
         return _smooth_optimum(task)
     best = _switched_optimum(task)
-    for _ in range(MAX_HALVINGS if task.can_be_remeshed else 0):
+    for _ in range(MAX_CUTS if task.can_be_remeshed else 0):
         if not best.is_below_bound:
             break
-        task = halved(task)
+        task = cut_low_accounts(task, best)
         try:
             task.require_timetable()
             best = _switched_optimum(task)
@@ -156,6 +157,8 @@ def _smooth_optimum(task: Task) -> Trajectory:
         # the bound is that of the whole time
         task, proven = replace(task, running_time_s=time_s), None
         speed2 = slowed_to_reach(task.mesh.data, speed2)
+    # a mesh that is given stays as it is, whatever lies between its nodes
+    notes = excess_notes(follow_between_nodes(task.mesh.data, speed2)) if task.can_be_remeshed else ()
     best = make_trajectory(
         task.scenario,
         task.mesh,
@@ -164,8 +167,21 @@ def _smooth_optimum(task: Task) -> Trajectory:
         bound=certify(task, solution.optimum, proven),
         price_of_time_w=solution.optimum.price_of_time_w,
         iterations=solution.iterations,
+        notes=notes,
     )
     return _as_reference(task, best)
+
+
+def excess_notes(followed: RunBetweenNodes) -> tuple[str, ...]:
+    """Return a sentence on the limit that a run exceeds between two nodes; none where the train can drive it."""
+    if followed.is_possible:
+        return ()
+    excess, limit = followed.max_excess, {"traction": "largest traction", "braking": "largest braking effort"}
+    return (
+        f"Between two nodes of the mesh, from {excess.start_m:.0f} m on, the run needs {100 * excess.share:.2g} % more "
+        f"than the {limit.get(excess.kind, 'speed limit')}. With a smaller solver.mesh_m it does not, or the timetable "
+        "is too short.",
+    )
 
 
 def _has_corners(task: Task) -> bool:
@@ -191,15 +207,16 @@ def _undercut(task: Task, best: Trajectory) -> Trajectory:
             runs.append(strategy(task))
     for run in sorted(runs, key=lambda run: run.energy.net_j):
         saving = (best.energy.net_j - run.energy.net_j) / max(abs(best.energy.net_j), 1.0)
-        mesh = build_meshed_line(task.scenario, *task.end_speeds_ms, run.nodes_m)
-        is_kept = shortest_stretch_s(mesh.data, run.node_speed_ms**2) >= task.least_switching_s
+        data, speed2 = build_meshed_line(task.scenario, *task.end_speeds_ms, run.nodes_m).data, run.node_speed_ms**2
+        is_kept = shortest_stretch_s(data, speed2) >= task.least_switching_s
         if saving > CHEAPER and is_kept and run.travel_time_s <= task.travel_time_s * (1 + LATE_SHARE):
             note = (
                 f"This is the run of {STRATEGIES[run.strategy].label}: it needs {100 * saving:.2g} % less than the "
                 "best run found by the interior-point method, which is a local optimum or bound to the nodes of a "
                 "coarse mesh (solver.mesh_m)."
             )
-            named = bounded(task, replace(run, strategy="optimal", notes=(note, *run.notes)), best.bound)
+            notes = (note, *excess_notes(follow_between_nodes(data, speed2)), *run.notes)
+            named = bounded(task, replace(run, strategy="optimal", notes=notes), best.bound)
             # a run below its bound needs less only by the account of a mesh that is too coarse
             if not named.is_below_bound:
                 return _as_reference(task, named)

@@ -135,7 +135,10 @@ def test_the_shipped_tram_is_near_the_findings():
 def test_no_run_of_dynamic_programming_is_cheaper(drive, friction_kn, time_s):
     """Up and down hill: braking that generates nothing, and limits that no rounding knows, cost up to 1 % before."""
     task = prepare_task(train(drive, friction_kn, **{"timetable.travel_time_s": time_s}))
-    assert optimal(task).energy.net_j <= run_strategy(task, "bellman").energy.net_j * (1 + 1e-4)
+    best = optimal(task)
+    # over the same nodes: the account of a coarser mesh may be too low
+    other = run_strategy(prepare_task(task.scenario, position_m=best.nodes_m), "bellman")
+    assert best.energy.net_j <= other.energy.net_j * (1 + 1e-4)
 
 
 def test_a_relaxed_optimum_above_a_run_is_no_measure():
