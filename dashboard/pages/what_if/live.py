@@ -10,7 +10,6 @@ import panel as pn
 import param
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.scenario.disturbance import UnplannedLimit, UnplannedStop, VoltageChange
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.live import (
     LiveRun,
@@ -22,9 +21,9 @@ from railjoule.core.simulation.live import (
     start_run,
     wait_longer,
 )
-from railjoule.dashboard.day import FIRST_STOP_S
+from railjoule.dashboard.day import EVENTS, FIRST_STOP_S, EventModel
 from railjoule.dashboard.state.kept import result
-from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds
+from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.work.runs import is_slow, named_refusals
 
@@ -44,35 +43,14 @@ class LiveResult:
 
 
 class LiveModel(TypedParameters):
-    """The run that plays, and the fields of the next event."""
+    """The run that plays, and the next events."""
 
-    passing = (
-        "on",
-        "playing",
-        "pace",
-        "signal_m",
-        "signal_s",
-        "is_open",
-        "from_m",
-        "to_m",
-        "limit_kmh",
-        "voltage_percent",
-        "replan_s",
-        "step",
-    )
+    passing = ("on", "playing", "pace", "is_open", "replan_s", "step")
 
     on = param.Boolean(default=False, doc="Whether the page plays a run.")
     playing = param.Boolean(default=False, doc="Whether its clock runs.")
     pace = param.Selector(default=5.0, objects=list(PACES), doc="How many times faster than in reality.")
-    signal_m = TypedNumber("Signal at, m", "m", default=500.0, **core_bounds(UnplannedStop, "position_m"))
-    signal_s = TypedNumber("red for, s", "s", default=FIRST_STOP_S, **core_bounds(UnplannedStop, "duration_s"))
     is_open = param.Boolean(default=False, doc="Whether the signal stays red until it is cleared.")
-    from_m = TypedNumber("Limit from, m", "m", default=600.0, **core_bounds(UnplannedLimit, "from_m"))
-    to_m = TypedNumber("to, m", "m", default=700.0, **core_bounds(UnplannedLimit, "to_m"))
-    limit_kmh = TypedNumber("km/h", "km/h", default=30.0, **core_bounds(UnplannedLimit, "limit_kmh"))
-    voltage_percent = TypedNumber(
-        "Voltage, %", "%", default=80.0, **core_bounds(VoltageChange, "line_voltage_factor", 100)
-    )
 
     failure = result(RailjouleError, "Why the last request failed.")
     run = result(LiveRun, "The run as it is now.")
@@ -82,34 +60,30 @@ class LiveModel(TypedParameters):
     restart = param.Event(doc="The train begins at the start again.")
     ended = result(LiveResult, "The run that has arrived, beside others.")
 
-    def set_signal(self, *_: Any) -> None:
-        """Set the red signal of the fields."""
-        signal = UnplannedStop(position_m=self.signal_m, duration_s=self.signal_s)
-        self.step = partial(set_event, event=signal, is_open=self.is_open)
+    def __init__(self, **params: Any) -> None:
+        super().__init__(**params)
+        self.signal, self.limit = EventModel(duration_s=FIRST_STOP_S), EventModel(kind="limit")
+        self.voltage = EventModel(kind="voltage")
+
+    def set(self, event: EventModel, *_: Any) -> None:
+        """Set the red signal, the lower limit or the supply voltage of an event."""
+        if event.kind == "limit" and event.position_m >= event.to_m:
+            begins, ends = f"{event.position_m:g} m", f"{event.to_m:g} m"
+            self.failure = ScenarioError(f"Limit to {ends}: it begins at {begins}. Choose an end beyond that.")
+            return
+        is_open = self.is_open and event is self.signal
+        self.step = partial(set_event, event=EVENTS[event.kind](**event.values), is_open=is_open)
 
     def clear_signal(self, *_: Any) -> None:
         """Clear the red signal that the train meets first."""
         # another function each time, as the same value would be no change
         self.step = partial(clear_first)
 
-    def set_limit(self, *_: Any) -> None:
-        """Set the lower limit of the fields."""
-        if self.from_m >= self.to_m:
-            begins, ends = f"{self.from_m:g} m", f"{self.to_m:g} m"
-            self.failure = ScenarioError(f"Limit to {ends}: it begins at {begins}. Choose an end beyond that.")
-            return
-        limit = UnplannedLimit(from_m=self.from_m, to_m=self.to_m, limit_kmh=self.limit_kmh)
-        self.step = partial(set_event, event=limit)
-
-    def set_voltage(self, *_: Any) -> None:
-        """Set the supply voltage of the field."""
-        self.step = partial(set_event, event=VoltageChange(line_voltage_factor=self.voltage_percent / 100))
-
     def take(self, scenario: Scenario) -> None:
         """Choose places on a scenario's line."""
         length = scenario.line.length_m
-        places: dict[str, Any] = {"signal_m": 0.5, "from_m": 0.6, "to_m": 0.7}
-        self.param.update(**{name: round(share * length) for name, share in places.items()})
+        self.signal.position_m = round(0.5 * length)
+        self.limit.param.update(position_m=round(0.6 * length), to_m=round(0.7 * length))
 
 
 def clear_first(run: LiveRun) -> LiveRun:
@@ -129,17 +103,10 @@ Step = Callable[[LiveRun], LiveRun]
 """Replaces a run by one with another plan."""
 
 
-@dataclass(frozen=True, eq=False)
-class StepRequest:
-    """A step, and the run that it is for."""
-
-    step: Step
-    run: LiveRun
-
-
-def take_step(request: StepRequest) -> LiveRun:
+def take_step(request: tuple[Step, LiveRun]) -> LiveRun:
     """Return the run after a step; errors as the step."""
-    return request.step(request.run)
+    step, run = request
+    return step(run)
 
 
 def begin_run(scenario: Scenario) -> LiveRun:
@@ -166,7 +133,7 @@ class Live:
 
     def __init__(self, page: Any, works: "PageWorks") -> None:
         self.of, self.works, self.state, self.model = page, works, page.desk, page.live
-        state = self.state
+        state, model = self.state, self.model
         # first of all watchers: the run of the scenario before is gone when the next one is asked for
         state.scenario.param.watch(self._forget, ["preset", "opened"])
         self.starts = works.worker(
@@ -178,21 +145,23 @@ class Live:
             is_slow=lambda scenario: is_slow(scenario, scenario.strategy),
         )
         self.steps = works.worker("live_step", take_step, self._take_step, self._refuse_step)
-        self.results = works.worker("live_result", compare_with_notice, self._take_result, self._fail)
+        self.results = works.worker(
+            "live_result", compare_with_notice, lambda ended: model.param.update(ended=ended), self._fail
+        )
         self._asked: Scenario | None = None
         self._waiting: Step | None = None
         self._planning = False
         self._read_s = 0.0
         self._clock: Any = None
-        state.scenario.follow(lambda scenario: scenario.line.length_m, self.model.take)
+        state.scenario.follow(lambda scenario: scenario.line.length_m, model.take)
         state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.of.param.watch(self._ask, "tab")
-        self.model.param.watch(self._ask, "on")
-        self.model.param.watch(self._set_clock, "playing")
-        self.model.param.watch(self._restart, "restart")
-        self.model.param.watch(lambda event: self.plan(event.new), "step")
-        self.model.take(state.scenario.edited)
+        model.param.watch(self._ask, "on")
+        model.param.watch(self._set_clock, "playing")
+        model.param.watch(self._restart, "restart")
+        model.param.watch(lambda event: self.plan(event.new), "step")
+        model.take(state.scenario.edited)
 
     def _forget(self, *_: Any) -> None:
         """Remove the run, as its scenario has been replaced."""
@@ -216,7 +185,7 @@ class Live:
             self._waiting = step
             return
         self._planning = True
-        self.steps.ask(StepRequest(step, run))
+        self.steps.ask((step, run))
 
     def tick(self, seconds: float) -> None:
         """Advance the clock [s of reality]; it waits while a plan is made, which begins at the train's position."""
@@ -268,9 +237,6 @@ class Live:
         step, self._waiting = self._waiting, None
         if step is not None:
             self.plan(step)
-
-    def _take_result(self, result: LiveResult) -> None:
-        self.model.ended = result
 
     def _set_clock(self, *_: Any) -> None:
         if self._clock is not None:

@@ -5,13 +5,13 @@ from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.plot import CurveChart
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.charts import PRICE, PhasePlaneChart, make_speed_plot, price_curves
-from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
+from railjoule.dashboard.pages.learn.compute import LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
 
 @pytest.fixture(scope="module")
 def result() -> LessonResult:
-    return compute_lesson(LessonRequest("multiplier", 200.0))
+    return compute_lesson("multiplier", 200.0)
 
 
 def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:
