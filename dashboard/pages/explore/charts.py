@@ -40,6 +40,8 @@ QUANTILE_WORDS = "5 %", "median", "95 %"
 BOTTOM_PX = 46
 """Numbers and title of the lower axis: the histogram beside it ends where the frame of the runs does."""
 OTHER_HEIGHTS = (116, 130, 116)
+FEW_RUNS, LARGE_PX, SMALL_PX = 1000, 6, 3
+"""Up to so many runs have large dots."""
 Select = Callable[[dict[str, Ends]], None]
 
 
@@ -120,11 +122,12 @@ class RunsChart(SelectingChart):
         f.image_rgba(*place, source=self.sources["seen"])
         # not seen: what the tooltip contains
         known = f.image(*place, source=self.sources["known"], alpha=0, palette=list(CIVIDIS))
-        self.glyphs("scatter", "others", "x", "y", paint={"fill_color": "line2"}, size=3, line_color=None)
+        others = self.glyphs("scatter", "others", "x", "y", paint={"fill_color": "line2"}, line_color=None)
         self.mapper = LinearColorMapper(palette=list(CIVIDIS), low=0, high=1)
         self.source("points", "x", "y", "colour", "row")
         colour = {"field": "colour", "transform": self.mapper}
-        points = f.scatter("x", "y", source=self.sources["points"], size=3, line_color=None, fill_color=colour)
+        points = f.scatter("x", "y", source=self.sources["points"], line_color=None, fill_color=colour)
+        self.marks = others.glyph, points.glyph
         self.tips = [HoverTool(renderers=[one], visible=False, tooltips="") for one in (points, known)]
         f.add_tools(*self.tips)
         self.let_select(f)
@@ -138,13 +141,13 @@ class RunsChart(SelectingChart):
         ends = look.ends[asked.x], look.ends[asked.y]
         self.columns = look.axes
         self.set_ranges(*ends)
-        f.xaxis.axis_label = x.words
+        f.xaxis.axis_label = x.label
         for axis, (low, high) in zip((f.xaxis[0], f.yaxis[0]), ends, strict=True):
             axis.formatter.args = {"digits": digits_for(40 * (high - low))}
         low, high = look.colour_ends
         self.mapper.update(low=low, high=high, palette=list(colours_for(dark)))
         self.tips[0].tooltips = point_tip(
-            ("Run", "@row"), (x.words, "@x{0,0.00}"), (y.words, "@y{0,0.00}"), (colour.words, "@colour{0,0.00}")
+            ("Run", "@row"), (x.label, "@x{0,0.00}"), (y.label, "@y{0,0.00}"), (colour.label, "@colour{0,0.00}")
         )
         mean = f"Mean {colour.within_sentence}, {colour.unit}".rstrip(", ")
         self.tips[1].tooltips = point_tip(("Runs here", "@count"), (mean, "@image"))
@@ -159,6 +162,8 @@ class RunsChart(SelectingChart):
 
     def _put_points(self, look: Look) -> None:
         asked, held = look.asked, look.held
+        for mark in self.marks:
+            mark.size = LARGE_PX if len(held) <= FEW_RUNS else SMALL_PX
         names = {"x": asked.x, "y": asked.y, "colour": asked.colour}
         numbers = {key: np.asarray(look.table.values[name], dtype=np.float32) for key, name in names.items()}
         self.put("others", x=numbers["x"][~held], y=numbers["y"][~held])
@@ -306,7 +311,7 @@ class MapChart(SelectingChart):
         x, y = columns[look.asked.map_x], columns[look.asked.map_y]
         for axis, column, edges in zip((f.xaxis[0], f.yaxis[0]), (x, y), (found.x_edges, found.y_edges), strict=True):
             labels = dict(enumerate(short_numbers((edges[1:] + edges[:-1]) / 2)))
-            axis.update(ticker=FixedTicker(ticks=list(labels)), major_label_overrides=labels, axis_label=column.words)
+            axis.update(ticker=FixedTicker(ticks=list(labels)), major_label_overrides=labels, axis_label=column.label)
         kwh = found.kwh.ravel()
         known = kwh[np.isfinite(kwh)]
         ends = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
