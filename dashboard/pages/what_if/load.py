@@ -278,9 +278,9 @@ def _metres(value: float) -> str:
 ERRORS: dict[str, tuple[str, Callable[[float], str]]] = {
     "coordinate_error_m": ("Position", _metres),
     "speed_error": ("Speed", lambda value: f"{words.signed(100 * value, 2)} %"),
-    "d1_error_m": ("D1 (L_pb)", _metres),
-    "d2_error_m": ("D2 (L_c)", _metres),
-    "d3_error_m": ("D3 (L_st)", _metres),
+    "d1_error_m": (parts.Markup("D1 (L<sub>pb</sub>)"), _metres),
+    "d2_error_m": (parts.Markup("D2 (L<sub>c</sub>)"), _metres),
+    "d3_error_m": (parts.Markup("D3 (L<sub>st</sub>)"), _metres),
 }
 """Words for each error of measurement, and the format of its values."""
 
