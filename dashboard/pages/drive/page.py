@@ -358,9 +358,6 @@ class Drive(Page):
         else:
             self.param.trigger("prove_further")
 
-    def _turn_prices(self, *_: Any) -> None:
-        self.has_prices_open = not self.has_prices_open
-
     @shows("failure", "desk.failure", "desk.runs", "desk.day.on")
     def _show_failure(self) -> None:
         """Show why the requested run does not exist, and offer a repair."""
@@ -509,8 +506,7 @@ class Drive(Page):
         self.saving.object = texts.worth(run, known.get(self.compared), name, refused.get(self.compared), *numbers)
 
     def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
-        vehicle = run.scenario.vehicle
-        subtitle = words.subtitle(run.distance_m, vehicle)
+        subtitle = words.subtitle(run.distance_m, run.scenario.vehicle)
         self.host.heading.object = parts.heading(self.page, run.scenario.title, subtitle, "")
         self.causes.visible = actual is not None
         if actual is not None:

@@ -32,7 +32,7 @@ from railjoule.dashboard.parts.choices import button
 from railjoule.dashboard.work.run_table import Ends
 
 INTRO = "Choose inputs and ranges on the left, then Run. The preview below shows the first {} of {} runs."
-PREVIEWED = "So far of a preview: all runs give closer numbers."
+PREVIEWED = "This is a preview; all runs give closer numbers."
 FORMER = "Shown: results of the previous settings."
 SO_FAR = "The figures show the runs done so far."
 HINT = "Drag over a figure to select runs, or type the ends of the selection; press a point to choose its run."

@@ -167,8 +167,7 @@ def keys_html() -> Markup:
     """Write the table of keys."""
     rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
     note = "The keys ?, 1 to 9 and P are off while you type in a field."
-    template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
-    return markup(template, rows, parts.note_paragraphs([note]))
+    return markup('<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}', rows, parts.note_paragraphs([note]))
 
 
 def pages_html() -> Markup:

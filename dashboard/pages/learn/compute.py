@@ -110,8 +110,7 @@ def _load(value: float) -> LessonResult:
 
 def _with_plane(scenario: Scenario, runs: Mapping[str, Trajectory], frontier: Frontier | None = None) -> LessonResult:
     run = runs["optimum"]
-    price = run.price_of_time_w or 0.0
-    steady = steady_speeds(scenario, price, float(run.speed_ms.max()))
+    steady = steady_speeds(scenario, run.price_of_time_w or 0.0, float(run.speed_ms.max()))
     return LessonResult(runs, frontier, steady, phase_plane(scenario, steady))
 
 

@@ -244,8 +244,7 @@ class Learn(Page):
 
     @shows("begun", "failure")
     def _show_failure(self) -> None:
-        failure = self.failure or (self.begun and self.begun["refused"])
-        self.host.tell(failure, LAST_POSITION if self.failure else "")
+        self.host.tell(self.failure or (self.begun and self.begun["refused"]), LAST_POSITION if self.failure else "")
         for lesson in self.played.values() if self.failure else ():
             lesson.refuse()
 

@@ -80,8 +80,7 @@ def read_sharing(text: str) -> tuple[str, tuple[int, ...]]:
 def leg_task(name: str) -> Task:
     """Return the task of a line, whose travel time leaves SLACK_S over the shortest times."""
     wide = _scenario(name, 3600.0)
-    stops = stop_nodes(prepare_task(wide))
-    shortest = float(shortest_times_s(prepare_task(wide), stops).sum())
+    shortest = float(shortest_times_s(prepare_task(wide), stop_nodes(prepare_task(wide))).sum())
     return prepare_task(_scenario(name, shortest + SLACK_S + DWELL_S * (len(NAMES) - 2)))
 
 

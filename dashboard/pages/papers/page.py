@@ -51,7 +51,7 @@ TABLE_CSS = """
 .rows td:nth-child(1), .rows td:nth-child(2) { white-space: normal; min-width: 82px; }
 .refuted, .reasons { margin-top: 18px; }
 .reasons td:nth-child(3) { min-width: 220px; }
-.reasons td:nth-child(2) { text-align: right; min-width: 60px; }
+.reasons td:nth-child(2) { min-width: 60px; }
 @media (max-width: 599px) {
   .refuted thead { display: none; }
   .refuted tr { display: block; padding: 7px 0; border-top: 1px solid var(--rj-line); }

@@ -44,8 +44,7 @@ LOWERED = str.maketrans("aehklmnopst", "\u2090\u2091\u2095\u2096\u2097\u2098\u20
 
 def typeset(text: str) -> Markup:
     """Return a text of a paper with a true minus, raised and lowered signs: 'T_m', 'm/s2' and '-5 %' are for files."""
-    plain = HYPHEN_MINUS.sub(words.MINUS, text).replace("m/s2", "m/s\u00b2")
-    pieces = SYMBOL.split(plain)
+    pieces = SYMBOL.split(HYPHEN_MINUS.sub(words.MINUS, text).replace("m/s2", "m/s\u00b2"))
     # a symbol, its index and what follows, after what stands before the first
     more = zip(pieces[1::3], pieces[2::3], pieces[3::3], strict=True)
     return markup("{}{}", pieces[0], joined(markup("{}<sub>{}</sub>{}", *three) for three in more))

@@ -15,7 +15,7 @@ from railjoule.dashboard.day import KIND_WORDS, EventModel, event_model
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.what_if.compute import Late, Rides, compute_late_arrivals, compute_rides
-from railjoule.dashboard.pages.what_if.live import LiveModel
+from railjoule.dashboard.pages.what_if.live import Live
 from railjoule.dashboard.pages.what_if.live_view import BODY_CSS, LivePart, ride_row
 from railjoule.dashboard.pages.what_if.load import (
     EVENTS,
@@ -68,7 +68,7 @@ class EventsTab(Page):
 
     def __init__(self, desk: Any, **params: Any) -> None:
         super().__init__(desk, **params)
-        self.live = LiveModel()
+        self.live = Live(self)
         """The run that plays."""
         self._adopting = False
         # registered before what computes, as the request depends on `as_driver`
@@ -158,8 +158,7 @@ class EventsTab(Page):
         self.before = parts.stack(self.invitation, self.arrivals, tools, body)
         self.playing = LivePart(self.live, self.host, self.keep_events)
         modes = {"Events before the start": False, "Events while the train drives": True}
-        mode = buttons(self.live, "on", modes, margin=(8, 8, 4, 20))
-        return parts.stack(mode, self.before, self.playing.view)
+        return parts.stack(buttons(self.live, "on", modes, margin=(8, 8, 4, 20)), self.before, self.playing.view)
 
     def layout_event_fields(self) -> Viewable:
         """Return its part of the sidebar."""
@@ -317,7 +316,7 @@ def finding(rides: Rides, events: int) -> parts.Markup:
     better = {"Replanning on the way": computer, "advance notice": known}
     saves = [" ".join(map(str, (name, *saved_beside(ride, driver)))) for name, ride in better.items()]
     cost = f"With {count} the driver arrives {missed} and needs {energy} kWh instead of {planned}."
-    return parts.finding(cost, f"{', '.join(saves)}.")
+    return parts.finding(cost, f"{', '.join(saves)}.".replace(" %", "\u00a0%"))
 
 
 def reaction_table(rides: Rides, late: Late | None) -> str:

@@ -24,7 +24,7 @@ from railjoule.dashboard.charts.track import add_limits, add_stations, draw_limi
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.typed import clock
-from railjoule.dashboard.pages.what_if.live import PACES, LiveModel, LiveResult
+from railjoule.dashboard.pages.what_if.live import PACES, Live, LiveResult
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, button, buttons
 from railjoule.dashboard.parts.number_field import NumberField
@@ -149,7 +149,7 @@ UNLIKE = (
 class LivePart:
     """The view of a run that plays."""
 
-    def __init__(self, model: LiveModel, host: Any, keep: Callable[..., None]) -> None:
+    def __init__(self, model: Live, host: Any, keep: Callable[..., None]) -> None:
         self.model, self.axis, self.chart = model, host.axes[PLAYED.axis], host.plots[PLAYED.name]
         self.chart.press = self._press
         self.numbers, self.message, self.status, self.table = (parts.html_pane() for _ in range(4))
@@ -158,7 +158,7 @@ class LivePart:
         tools = pn.Row(
             self.play,
             buttons(model, "pace", {f"{pace:g}\u00d7": pace for pace in PACES}, margin=(8, 8, 0, 8)),
-            button("Start again", lambda _: model.param.trigger("restart"), **SMALL),
+            button("Start again", model.restart, **SMALL),
             self.keep,
             margin=(0, 0, 0, 12),
             stylesheets=[parts.WRAP_CSS],
@@ -171,7 +171,7 @@ class LivePart:
 
     def _fields(self) -> pn.Column:
         model, signal, limit = self.model, self.model.signal, self.model.limit
-        self.clear = button("Clear signal", model.clear_signal, **SMALL)
+        self.clear = button("Clear signal", model.clear, **SMALL)
         set_signal, set_limit, set_voltage = (
             button(label, partial(model.set, event), **SMALL)
             for label, event in {"Set red signal": signal, "Set limit": limit, "Set voltage": model.voltage}.items()
@@ -196,7 +196,7 @@ class LivePart:
     def _play(self, _: Any) -> None:
         run = self.model.run
         if run is not None and run.has_arrived:
-            self.model.param.trigger("restart")
+            self.model.restart()
         else:
             self.model.playing = run is not None and not self.model.playing
 

@@ -70,8 +70,8 @@ LAYOUT_CSS = """
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
 """
 HINT = (
-    "Click a cell to see its run. Cells compare with a plan that keeps the timetable, the sentence at the top with one "
-    f"that arrives when the run does. {comparisons.MISSED}"
+    "Click a cell to see its run. Cells compare with a plan on time, the sentence at the top with one as late as the "
+    f"run. {comparisons.MISSED}"
 )
 
 
@@ -208,15 +208,16 @@ def _framed(reality: Reality) -> tuple[float, float]:
 def finding(reality: Reality) -> parts.Markup:
     """Return the outcome of the plan in a sentence: timetable, stop, and energy beside a plan for the load."""
     following, equal = reality.following, reality.equal_kwh
-    run, planned = following.actual, following.planned
     missed = " and ".join(map(str, comparisons.misses(following.delay_s, following.stop_error_m)))
     more = ""
     if equal is not None:
-        above = comparisons.extra(run.energy_kwh, equal, 0.0, following.stop_error_m).sentence
+        above = comparisons.extra(following.actual.energy_kwh, equal, 0.0, following.stop_error_m).sentence
         more = f", and its energy is {above} that of a plan for the actual load with the same arrival"
+    load, error_m = _framed(reality)
+    planned_at = words.vehicle_load(following.planned.scenario.vehicle)
     return parts.finding(
-        f"Planned at {words.vehicle_load(planned.scenario.vehicle)}, driven with {reality_words(*_framed(reality))}: "
-        f"the train arrives {missed or 'on time at its stop'}{more}."
+        f"Planned at {planned_at}, driven at load {words.setting(load)}\u00a0% with a position error of "
+        f"{words.signed(error_m, 0)}\u00a0m: the train arrives {missed or 'on time at its stop'}{more}."
     )
 
 

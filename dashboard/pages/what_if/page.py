@@ -14,7 +14,6 @@ from railjoule.dashboard.pages.what_if import chance, events, load
 from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, ChanceTab
 from railjoule.dashboard.pages.what_if.chance_charts import SCATTER
 from railjoule.dashboard.pages.what_if.events import EventsTab
-from railjoule.dashboard.pages.what_if.live import Live
 from railjoule.dashboard.pages.what_if.live_view import PLAYED
 from railjoule.dashboard.pages.what_if.load import DRIVEN, HEAT_MAP, LoadTab, conditions
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS
@@ -68,7 +67,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
 
     def begin_work(self, works: "PageWorks") -> None:
         """Play runs."""
-        self.player = Live(self, works)
+        self.live.begin_work(works)
 
     # ---- what it shows
 
@@ -91,8 +90,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
     def _show_heading(self) -> None:
         shown = {LOAD: self.reality, RIDES: self.rides, DRAWS: self.chance}[self.tab]
         self.host.tell(self.failure, "Shown: the last run that could be computed." if shown is not None else "")
-        title = self.desk.scenario.edited.title
-        self.host.heading.object = parts.heading(self.page, title, self._subtitle(), "")
+        self.host.heading.object = parts.heading(self.page, self.desk.scenario.edited.title, self._subtitle(), "")
 
     @shows("tab", "reality", "rides", "live.on", "chance", "robust", "accepted_lateness_s")
     def _show_finding(self) -> None:
