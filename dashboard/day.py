@@ -24,24 +24,35 @@ from railjoule.dashboard.state.kept import Items
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds, keyed
 from railjoule.dashboard.state.scenario import ScenarioModel
 
+EVENTS: Mapping[str, type[Event]] = {
+    "stop": UnplannedStop,
+    "limit": UnplannedLimit,
+    "voltage": VoltageChange,
+    "recuperation": RecuperationChange,
+}
+"""The kinds of events."""
 TABLES = {
     "stop": "stops",
     "limit": "speed_limits",
     "voltage": "voltage_changes",
     "recuperation": "recuperation_changes",
 }
-"""Kinds of events, and their tables in the scenario's file."""
+"""Their tables in the scenario's file."""
+KEYS: Mapping[str, Mapping[str, tuple[str, float]]] = {
+    "stop": {"position_m": ("position_m", 1), "duration_s": ("duration_s", 1)},
+    "limit": {"position_m": ("from_m", 1), "to_m": ("to_m", 1), "limit_kmh": ("limit_kmh", 1)},
+    "voltage": {"share_percent": ("line_voltage_factor", 100)},
+    "recuperation": {"share_percent": ("recuperation_factor", 100)},
+}
+"""Their fields, each with its key in the file, and a number of the page over that of the file."""
 KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Supply voltage", "recuperation": "Recuperation"}
 NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
 NOTICE_BEFORE_M, FIRST_LIMIT_M, FIRST_STOP_S = 230.0, 100.0, 20.0
 """Distance between notice and event [m]; length of a new limit [m] and duration of a new stop [s]."""
-BY_KIND: Mapping[tuple[str, str], Mapping[str, Any]] = {
-    ("stop", "position_m"): core_bounds(UnplannedStop, "position_m"),
-    ("limit", "position_m"): core_bounds(UnplannedLimit, "from_m"),
-    ("voltage", "share_percent"): core_bounds(VoltageChange, "line_voltage_factor", 100),
-    ("recuperation", "share_percent"): core_bounds(RecuperationChange, "recuperation_factor", 100),
+BY_KIND = {
+    (kind, field): core_bounds(EVENTS[kind], *key) for kind, fields in KEYS.items() for field, key in fields.items()
 }
-"""Bounds of the fields that several kinds of events have."""
+"""Bounds of the fields of each kind of event."""
 
 
 class EventModel(TypedParameters):
@@ -68,16 +79,14 @@ class EventModel(TypedParameters):
         return super().closed_ends(field) if own is None else own["inclusive_bounds"]
 
     @property
-    def document(self) -> dict[str, Any]:
+    def values(self) -> dict[str, float]:
+        """The event by the keys of the scenario's file, without its notice."""
+        return {key: getattr(self, field) / scale for field, (key, scale) in KEYS[self.kind].items()}
+
+    @property
+    def document(self) -> dict[str, float]:
         """The event as in the scenario's file."""
-        noticed = {"noticed_at_m": float(self.noticed_at_m)}
-        if self.kind == "stop":
-            return {"position_m": float(self.position_m), "duration_s": float(self.duration_s), **noticed}
-        if self.kind == "limit":
-            places = {"from_m": float(self.position_m), "to_m": float(self.to_m)}
-            return {**places, "limit_kmh": float(self.limit_kmh), **noticed}
-        key = "line_voltage_factor" if self.kind == "voltage" else "recuperation_factor"
-        return {key: self.share_percent / 100, **noticed}
+        return {**self.values, "noticed_at_m": float(self.noticed_at_m)}
 
     @property
     def sign(self) -> str:
@@ -96,14 +105,9 @@ class EventModel(TypedParameters):
 
 def event_model(event: Event) -> EventModel:
     """Return the model of an event of a scenario's file."""
-    noticed = {"noticed_at_m": event.noticed_at_m or 0.0}
-    if isinstance(event, UnplannedStop):
-        return EventModel(kind="stop", position_m=event.position_m, duration_s=event.duration_s, **noticed)
-    if isinstance(event, UnplannedLimit):
-        return EventModel(kind="limit", position_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh, **noticed)
-    if isinstance(event, VoltageChange):
-        return EventModel(kind="voltage", share_percent=100 * event.line_voltage_factor, **noticed)
-    return EventModel(kind="recuperation", share_percent=100 * event.recuperation_factor, **noticed)  # type: ignore[attr-defined]
+    kind = next(kind for kind, of in EVENTS.items() if isinstance(event, of))
+    values = {field: scale * getattr(event, key) for field, (key, scale) in KEYS[kind].items()}
+    return EventModel(kind=kind, noticed_at_m=event.noticed_at_m or 0.0, **values)
 
 
 # ---- the conditions
@@ -128,10 +132,6 @@ CHANCE = (
 """The distributions of the Monte Carlo study, and its seed."""
 # beyond any distance of a sensor from its stop a mistake, which the file would accept
 MAX_SENSOR_ERROR_M = 1000.0
-
-
-def _sensor_error(name: str) -> TypedNumber:
-    return TypedNumber(f"{name} place error, m", "m", 1, default=0.0, bounds=(-MAX_SENSOR_ERROR_M, MAX_SENSOR_ERROR_M))
 
 
 def _deviation(key: str, label: str, digits: int, largest: float, scale: float = 1.0) -> TypedNumber:
@@ -177,7 +177,10 @@ class Day(TypedParameters):
     calibration_length_m = keyed(SimulationOptions, "calibration_length_m", "D1 to D2, calibrates", "m")
     stop_sensor_m = keyed(SimulationOptions, "stop_sensor_m", "D3, resets position", "m")
     target_deceleration_ms2 = keyed(SimulationOptions, "target_deceleration_ms2", "Target curve", "m/s\u00b2", 2)
-    d1_error_m, d2_error_m, d3_error_m = map(_sensor_error, ("D1", "D2", "D3"))
+    d1_error_m, d2_error_m, d3_error_m = (
+        TypedNumber(f"{name} place error, m", "m", 1, default=0.0, bounds=(-MAX_SENSOR_ERROR_M, MAX_SENSOR_ERROR_M))
+        for name in ("D1", "D2", "D3")
+    )
     events = param.List(default=[], item_type=EventModel, doc="The events on the way.")
     accepted_delay_s = keyed(
         *(Disturbance, "accepted_delay_s", "Accepted delay", "s"), default=0.0, softbounds=(0, 60), step=1

@@ -17,8 +17,7 @@ from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page import Hint, Own, Page, Section
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.start.compute import card_names
-from railjoule.dashboard.pages.start.groups import scenario_groups
+from railjoule.dashboard.pages.start.compute import card_names, scenario_groups
 from railjoule.dashboard.parts.choices import box, menu
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField

@@ -7,7 +7,7 @@ from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.pages.learn.drawing import POINTS, judge
+from railjoule.dashboard.pages.learn.drawn import POINTS, judge
 
 READY_MS = 60_000
 BUTTON = "Show the best run"

@@ -1,26 +1,30 @@
-"""Charts that only Drive has: speeds with a train that plays, the price of force, and Bellman's law."""
+"""Figures that only Drive has: speeds, the bar that plays the run, the price of force, and Bellman's law."""
 
 from collections.abc import Callable, Mapping
 from operator import methodcaller
 from typing import Any
 
 import numpy as np
+import param
 from bokeh.models import LinearColorMapper, Span
 from bokeh.palettes import interp_palette
+from panel.custom import JSComponent
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
+from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.strategies.bellman import ControlLaw
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.axis import Axis, xy
 from railjoule.dashboard.charts.chart import no_grid, zero_line
-from railjoule.dashboard.charts.quantities import POSITION, SPEED
+from railjoule.dashboard.charts.quantities import ENERGY, POSITION, POWER, SPEED, SUPPLY_CURRENT, TIME
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.run_lines import Curve
 from railjoule.dashboard.charts.scene import BORDERS, VARIANT, RunScene, SceneChart, draw_borders
 from railjoule.dashboard.charts.speed import SpeedChart
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.words import MINUS
+from railjoule.dashboard.look.scripts import module
 
 # pixels of the picture along the line and the speed
 COLUMNS, ROWS = 180, 64
@@ -116,7 +120,10 @@ class PriceChart(SceneChart):
 class LawChart(SceneChart):
     """Traction blue, braking warm, coasting neutral, empty where the end cannot be reached."""
 
-    called = "law", f"Bellman\u2019s law at each speed, km/h: blue traction, warm braking ({MINUS}), pale coasting"
+    called = (
+        "law",
+        f"Bellman\u2019s law at each speed, km/h: blue traction, warm braking ({words.MINUS}), pale coasting",
+    )
     kind, unit, digits = "map", "km/h", 1
 
     def build(self) -> None:
@@ -166,3 +173,48 @@ def diverging(palette: Palette) -> tuple[str, ...]:
     """Return colours from full braking over coasting to full traction."""
     colours: tuple[str, ...] = interp_palette([palette.tokens[name] for name in ("driven", "coast", "accent")], COLOURS)
     return colours
+
+
+# ---- the bar that plays the run
+
+DIGITS = 4
+"""Decimals of the numbers that are sent: of a MW they are 100 W."""
+STYLE = """
+:host { padding: 6px 14px 0 20px; box-sizing: border-box; }
+.player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 12px; font: 13px/1.4 var(--rj-font);
+  color: var(--rj-ink2); font-feature-settings: "tnum" 1; }
+button, select { min-height: 28px; border: 1px solid var(--rj-line2); border-radius: 6px; background: var(--rj-surface);
+  color: var(--rj-ink); font: inherit; cursor: pointer; }
+button { min-width: 68px; border-color: var(--rj-accent); background: var(--rj-accent); color: var(--rj-surface);
+  font-weight: 600; }
+:focus-visible { outline: 2px solid var(--rj-accent); outline-offset: 2px; }
+input { flex: 1 1 140px; min-width: 100px; height: 24px; margin: 0; accent-color: var(--rj-accent); cursor: pointer; }
+.readouts { display: flex; flex-wrap: wrap; gap: 0 14px; }
+.readouts span { min-width: 62px; white-space: nowrap; text-align: right; }
+.readouts span[hidden] { display: none; }
+.idle { visibility: hidden; }
+.readouts b { color: var(--rj-ink); font-weight: 600; }
+@media (max-width: 899px) { :host { padding: 6px 14px 0; } .idle { display: none; } }
+"""
+
+
+class Player(JSComponent):
+    """The bar; the browser requests the run before it is played."""
+
+    wanted = param.Boolean(default=False, doc="Whether the browser needs the columns of the run.")
+    run = param.Dict(default={}, doc="The quantities over time, and when each instruction begins.")
+    train = param.List(default=[], doc="The sources of the train in the figures of speed and track, by id.")
+    over_time = param.Boolean(default=False, doc="Whether the figures are over time.")
+
+    _esm = module("player")
+    _stylesheets = [STYLE]  # noqa: RUF012
+
+
+def played_columns(run: Trajectory) -> dict[str, Any]:
+    """Return the quantities of a run over time for the browser, and the times when its instructions begin [s]."""
+    line = run.scenario.line.in_running_order()
+    quantities = [TIME, POSITION, SPEED, ENERGY, POWER, *([] if run.supply_current_a is None else [SUPPLY_CURRENT])]
+    columns = {quantity.name: np.round(quantity.values(run), DIGITS).tolist() for quantity in quantities}
+    height = np.interp(run.position_m, section_borders(line), height_profile(line))
+    starts = [run.phases[group[0]].start_s for group in words.instruction_groups(run.advice)]
+    return {**columns, "height": np.round(height, DIGITS).tolist(), "starts": starts}

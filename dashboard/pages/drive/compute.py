@@ -12,23 +12,15 @@ from railjoule.dashboard.work.runs import named_refusals
 # ---- the actual run
 
 
-@dataclass(frozen=True)
-class ActualRequest:
-    """A scenario, and its differences from the plan, by the keys of the scenario's file."""
-
-    scenario: Scenario
-    changes: Mapping[str, Any]
-
-
-def compute_actual(request: ActualRequest) -> ActualRun:
-    """Return the plan of a scenario and its actual run.
+def compute_actual(scenario: Scenario, changes: Mapping[str, Any]) -> ActualRun:
+    """Return the plan of a scenario and its actual run, with changes by the keys of the scenario's file.
 
     Raises
     ------
     RailjouleError
         If a value is out of its bounds, or there is no such plan or run.
     """
-    scenario = request.scenario.replace(**request.changes)
+    scenario = scenario.replace(**changes)
     with named_refusals(scenario):
         return actual_run(scenario)
 

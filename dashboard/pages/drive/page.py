@@ -28,10 +28,16 @@ from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.page import Own, Page, Request, shows, study, work
 from railjoule.dashboard.pages.drive import texts
-from railjoule.dashboard.pages.drive.card import driver_card
-from railjoule.dashboard.pages.drive.charts import TRAIN, DriveSpeedChart, LawChart, PriceChart, TrackStrip
+from railjoule.dashboard.pages.drive.charts import (
+    TRAIN,
+    DriveSpeedChart,
+    LawChart,
+    Player,
+    PriceChart,
+    TrackStrip,
+    played_columns,
+)
 from railjoule.dashboard.pages.drive.compute import (
-    ActualRequest,
     Answer,
     Move,
     answer,
@@ -39,7 +45,6 @@ from railjoule.dashboard.pages.drive.compute import (
     compute_moved,
 )
 from railjoule.dashboard.pages.drive.fields import ActualFields
-from railjoule.dashboard.pages.drive.player import Player, played_columns
 from railjoule.dashboard.pages.drive.sankey import SankeyChart
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, menu, over_time_buttons
@@ -176,14 +181,14 @@ class Drive(Page):
         *("scenario", "desk.chosen", "desk.runs", *DAY, *DAY_EVENTS),
         into="actual",
         marked=True,
-        is_slow=lambda asked: is_slow(asked.scenario, asked.scenario.strategy),
+        is_slow=lambda scenario, _: is_slow(scenario, scenario.strategy),
     )
     def _actual(self) -> Request:
         desk = self.desk
         if not desk.day.on:
             return None
         changes = {"strategy": desk.chosen_now, **desk.day.actual_changes}
-        return compute_actual, ActualRequest(desk.scenario.scenario(), changes)
+        return compute_actual, desk.scenario.scenario(), changes
 
     # seconds on a long line: sliders of other pages need not wait for it
     @work("scenario", "advice", into="simple", is_slow=lambda *_: True)
@@ -259,8 +264,14 @@ class Drive(Page):
         self.proof, self.account, self.runs, self.phases = (parts.html_pane() for _ in range(4))
         # one button, so that the keyboard's focus stays where it is
         self.prove = pmui.Button(label="Prove further", **SMALL, on_click=self._press_prove)
-        self.prices = pmui.Button(label="", **SMALL, on_click=self._turn_prices)
-        self.bellman = pmui.Button(label="Compare with dynamic programming", **SMALL, on_click=self._choose_bellman)
+        self.prices = pmui.Button(
+            label="", **SMALL, on_click=lambda _: self.param.update(has_prices_open=not self.has_prices_open)
+        )
+        self.bellman = pmui.Button(
+            label="Compare with dynamic programming",
+            **SMALL,
+            on_click=lambda _: self.desk.param.update(chosen="bellman"),
+        )
         proof = pn.Row(self.prove, self.prices, self.bellman, margin=0, stylesheets=[ROW_CSS])
         for name in ("difference", "law", "price"):
             plots[name].host.visible = False
@@ -323,7 +334,7 @@ class Drive(Page):
         found = self._shown
         run, sentence, simple = (self.desk.run, "", None) if found is None else self._advised(found[0])
         self.card.filename = f"{words.slug(self.desk.scenario.edited.title) or 'scenario'}-drivers-card.html"
-        return io.StringIO("" if run is None else driver_card(run, sentence if simple is not None else ""))
+        return io.StringIO("" if run is None else texts.driver_card(run, sentence if simple is not None else ""))
 
     def _repair(self, *_: Any) -> None:
         failure = self.desk.failure
@@ -346,12 +357,6 @@ class Drive(Page):
             self.proving_further = False
         else:
             self.param.trigger("prove_further")
-
-    def _choose_bellman(self, *_: Any) -> None:
-        self.desk.chosen = "bellman"
-
-    def _turn_prices(self, *_: Any) -> None:
-        self.has_prices_open = not self.has_prices_open
 
     @shows("failure", "desk.failure", "desk.runs", "desk.day.on")
     def _show_failure(self) -> None:
@@ -501,8 +506,7 @@ class Drive(Page):
         self.saving.object = texts.worth(run, known.get(self.compared), name, refused.get(self.compared), *numbers)
 
     def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
-        vehicle = run.scenario.vehicle
-        subtitle = words.subtitle(run.distance_m, vehicle)
+        subtitle = words.subtitle(run.distance_m, run.scenario.vehicle)
         self.host.heading.object = parts.heading(self.page, run.scenario.title, subtitle, "")
         self.causes.visible = actual is not None
         if actual is not None:

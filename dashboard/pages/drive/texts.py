@@ -1,17 +1,25 @@
-"""Texts of Drive: the numbers of the actual run, the causes of its extra energy, and the proof."""
+"""Texts of Drive: the numbers of the actual run, the causes of its extra energy, the proof, and the driver's card."""
 
+from functools import cache
+from importlib.resources import files
 from itertools import accumulate
 from typing import NamedTuple
 
+import numpy as np
+from jinja2 import Environment, StrictUndefined, Template
 from markupsafe import Markup
 
 from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import ProofStep
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.core.simulation.actual_vehicle import actually_loaded
+from railjoule.core.units import MS_PER_KMH
+from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.pages.drive.compute import Answer
 from railjoule.dashboard.parts.html import (
     escaped,
@@ -23,6 +31,7 @@ from railjoule.dashboard.parts.html import (
     note_paragraphs,
     plain_table,
     price_figure,
+    stop_times,
 )
 from railjoule.dashboard.work.runs import Runs, same_plan
 
@@ -253,3 +262,49 @@ def yearly_saving(saved_kwh: float, trains_per_day: float, price_per_kwh: float,
     """
     yearly_kwh = saved_kwh * trains_per_day * DAYS_A_YEAR
     return YearlySaving(yearly_kwh / KWH_PER_MWH, yearly_kwh * price_per_kwh, yearly_kwh * co2_kg_per_kwh / KG_PER_T)
+
+
+# ---- the driver's card
+
+WIDTH, HEIGHT = 1000.0, 219.0
+"""Of the figure of speed, in the units of assets/templates/driver_card.html."""
+LARGEST_PX, SMALLEST_PX, PAGE_PX = 30.0, 8.0, 660.0
+"""Sizes of the type; height that rows, heading and foot share."""
+COLUMN_LINES = 9
+"""Up to so many instructions stand in one column."""
+
+
+@cache
+def _template() -> Template:
+    text = (files("railjoule.assets") / "templates" / "driver_card.html").read_text(encoding="utf-8")
+    return Environment(autoescape=True, undefined=StrictUndefined).from_string(text)
+
+
+def driver_card(run: Trajectory, note: str = "") -> str:
+    """Return the advice with its times on a page to print, which needs no network; `note` is a sentence at its foot."""
+    scenario, groups = run.scenario, words.instruction_groups(run.advice)
+    starts = [clock(run.phases[group[0]].start_s) for group in groups]
+    texts = [text[0].upper() + text[1:] for text in words.advice_in_words(run.advice)]
+    stops = stop_times(run)
+    borders, limits = limits_of(scenario)
+    top = max(float(np.max(limits)), run.max_speed_kmh)
+
+    def points(places: FloatArray, speeds: FloatArray) -> str:
+        x, y = WIDTH * places / run.distance_m, HEIGHT * (1 - speeds / top)
+        return " ".join(f"{one:.1f},{other:.1f}" for one, other in zip(x, y, strict=True))
+
+    rows = max(len(texts) if len(texts) <= COLUMN_LINES else (len(texts) + 1) // 2, len(stops))
+    return _template().render(
+        title=words.title(scenario.title),
+        train=words.subtitle(run.distance_m, scenario.vehicle),
+        departure=clock(0.0),
+        arrival=clock(run.travel_time_s),
+        instructions=list(zip(starts, texts, strict=True)),
+        stops=stops,
+        speed=points(run.position_m, run.speed_ms / MS_PER_KMH),
+        limit=points(*as_steps(borders, limits)),
+        distance=words.distance(run.distance_m),
+        top=words.number(top, 0),
+        note=note,
+        size=f"{min(LARGEST_PX, max(SMALLEST_PX, PAGE_PX / (1.85 * rows + 11))):.1f}",
+    )

@@ -4,7 +4,7 @@ A rectangle that is dragged over any of them selects runs in all. Bokeh's own se
 `link_selections`: measured on a scatter with two histograms, that takes 0.3 to 0.7 s of the server for each selection.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from operator import methodcaller
 from typing import Any
@@ -24,7 +24,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.dashboard.charts.chart import no_grid
 from railjoule.dashboard.charts.dress import ink_on, point_tip
 from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.plot import Plot
+from railjoule.dashboard.charts.plot import CurveChart, Plot
 from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -40,6 +40,8 @@ QUANTILE_WORDS = "5 %", "median", "95 %"
 BOTTOM_PX = 46
 """Numbers and title of the lower axis: the histogram beside it ends where the frame of the runs does."""
 OTHER_HEIGHTS = (116, 130, 116)
+FEW_RUNS, LARGE_PX, SMALL_PX = 1000, 6, 3
+"""Up to so many runs have large dots."""
 Select = Callable[[dict[str, Ends]], None]
 
 
@@ -120,11 +122,12 @@ class RunsChart(SelectingChart):
         f.image_rgba(*place, source=self.sources["seen"])
         # not seen: what the tooltip contains
         known = f.image(*place, source=self.sources["known"], alpha=0, palette=list(CIVIDIS))
-        self.glyphs("scatter", "others", "x", "y", paint={"fill_color": "line2"}, size=3, line_color=None)
+        others = self.glyphs("scatter", "others", "x", "y", paint={"fill_color": "line2"}, line_color=None)
         self.mapper = LinearColorMapper(palette=list(CIVIDIS), low=0, high=1)
         self.source("points", "x", "y", "colour", "row")
         colour = {"field": "colour", "transform": self.mapper}
-        points = f.scatter("x", "y", source=self.sources["points"], size=3, line_color=None, fill_color=colour)
+        points = f.scatter("x", "y", source=self.sources["points"], line_color=None, fill_color=colour)
+        self.marks = others.glyph, points.glyph
         self.tips = [HoverTool(renderers=[one], visible=False, tooltips="") for one in (points, known)]
         f.add_tools(*self.tips)
         self.let_select(f)
@@ -138,13 +141,13 @@ class RunsChart(SelectingChart):
         ends = look.ends[asked.x], look.ends[asked.y]
         self.columns = look.axes
         self.set_ranges(*ends)
-        f.xaxis.axis_label = x.words
+        f.xaxis.axis_label = x.label
         for axis, (low, high) in zip((f.xaxis[0], f.yaxis[0]), ends, strict=True):
             axis.formatter.args = {"digits": digits_for(40 * (high - low))}
         low, high = look.colour_ends
         self.mapper.update(low=low, high=high, palette=list(colours_for(dark)))
         self.tips[0].tooltips = point_tip(
-            ("Run", "@row"), (x.words, "@x{0,0.00}"), (y.words, "@y{0,0.00}"), (colour.words, "@colour{0,0.00}")
+            ("Run", "@row"), (x.label, "@x{0,0.00}"), (y.label, "@y{0,0.00}"), (colour.label, "@colour{0,0.00}")
         )
         mean = f"Mean {colour.within_sentence}, {colour.unit}".rstrip(", ")
         self.tips[1].tooltips = point_tip(("Runs here", "@count"), (mean, "@image"))
@@ -159,6 +162,8 @@ class RunsChart(SelectingChart):
 
     def _put_points(self, look: Look) -> None:
         asked, held = look.asked, look.held
+        for mark in self.marks:
+            mark.size = LARGE_PX if len(held) <= FEW_RUNS else SMALL_PX
         names = {"x": asked.x, "y": asked.y, "colour": asked.colour}
         numbers = {key: np.asarray(look.table.values[name], dtype=np.float32) for key, name in names.items()}
         self.put("others", x=numbers["x"][~held], y=numbers["y"][~held])
@@ -190,8 +195,7 @@ def coloured(raster: Raster, ends: Ends, scale: Any, grey: str) -> Any:
     """
     low, high = ends
     share = np.clip((np.nan_to_num(raster.mean, nan=low) - low) / max(high - low, 1e-12), 0.0, 1.0)
-    most = max(float(raster.count.max()), 1.0)
-    alpha = LEAST_ALPHA + (1 - LEAST_ALPHA) * np.log1p(raster.count) / np.log1p(most)
+    alpha = LEAST_ALPHA + (1 - LEAST_ALPHA) * np.log1p(raster.count) / np.log1p(max(float(raster.count.max()), 1.0))
     pixels = np.empty((*raster.count.shape, 4), dtype=np.uint8)
     pixels[..., :3] = scale[(share * (LEVELS - 1)).astype(int)]
     pixels[..., 3] = np.where(raster.count > 0, 255 * alpha, 0)
@@ -277,60 +281,32 @@ def spread_signs(places: list[float], ends: Ends, least: float = 0.055) -> list[
     return moved
 
 
-class MapChart(SelectingChart):
-    """The median energy over two inputs, in cells."""
-
-    kind = "map"
-    title = "Median energy over two inputs"
-
-    look: Mapping[str, Any] = {"x_title": " ", "y_title": " "}
-    layers = (
-        no_grid,
-        methodcaller("source", "cells", "left", "right", "bottom", "top", "fill", "kwh"),
-        methodcaller(
-            *("glyphs", "quad", "cells", "left", "right", "bottom", "top"),
-            paint={"line_color": "surface"},
-            fill_color="fill",
-            line_width=2,
-        ),
-        methodcaller("coloured_signs", "signs", 12, text_align="center", text_baseline="middle"),
+def draw_medians(chart: CurveChart, look: Look) -> None:
+    """Draw the median energies, in equal steps: the numbers at the axes say where the cells lie."""
+    f, found, columns = chart.figure, look.medians, look.table.columns
+    assert f is not None
+    if found is None:
+        chart.clear()
+        return
+    x, y = columns[look.asked.map_x], columns[look.asked.map_y]
+    for axis, column, edges in zip((f.xaxis[0], f.yaxis[0]), (x, y), (found.x_edges, found.y_edges), strict=True):
+        labels = dict(enumerate(short_numbers((edges[1:] + edges[:-1]) / 2)))
+        axis.update(ticker=FixedTicker(ticks=list(labels)), major_label_overrides=labels, axis_label=column.label)
+    kwh = found.kwh.ravel()
+    known = kwh[np.isfinite(kwh)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+    shares = np.nan_to_num((kwh - low) / max(high - low, 1e-12))
+    colours = (
+        f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in SCALES[False][(shares * (LEVELS - 1)).astype(int)]
     )
-
-    def draw(self, look: Look) -> None:
-        """Draw the medians, in equal steps: the numbers at the axes say where the cells lie."""
-        f, found, columns = self.figure, look.medians, look.table.columns
-        assert f is not None
-        if found is None:
-            self.clear()
-            return
-        x, y = columns[look.asked.map_x], columns[look.asked.map_y]
-        for axis, column, edges in zip((f.xaxis[0], f.yaxis[0]), (x, y), (found.x_edges, found.y_edges), strict=True):
-            labels = dict(enumerate(short_numbers((edges[1:] + edges[:-1]) / 2)))
-            axis.update(ticker=FixedTicker(ticks=list(labels)), major_label_overrides=labels, axis_label=column.words)
-        kwh = found.kwh.ravel()
-        known = kwh[np.isfinite(kwh)]
-        ends = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
-        rows, places = (index.ravel() for index in np.indices(found.kwh.shape))
-        fills = [self._colour(number, ends) for number in kwh]
-        self.put(
-            "cells",
-            left=places - 0.5,
-            right=places + 0.5,
-            bottom=rows - 0.5,
-            top=rows + 0.5,
-            fill=fills,
-            kwh=kwh,
-        )
-        texts = [words.number(number, 1 if ends[1] >= 10 else 2) for number in kwh]
-        self.put("signs", x=places, y=rows, text=texts, colour=[ink_on(fill) for fill in fills])
-        self.set_ranges((-0.5, CELLS - 0.5), (-0.5, CELLS - 0.5))
-
-    def _colour(self, number: float, ends: Ends) -> str:
-        if not np.isfinite(number):
-            return self.palette.tokens["ground"]
-        low, high = ends
-        red, green, blue = SCALES[False][int((number - low) / max(high - low, 1e-12) * (LEVELS - 1))]
-        return f"#{red:02x}{green:02x}{blue:02x}"
+    ground = chart.palette.tokens["ground"]
+    fills = [colour if np.isfinite(number) else ground for colour, number in zip(colours, kwh, strict=True)]
+    rows, places = (index.ravel() for index in np.indices(found.kwh.shape))
+    sides = {"left": places - 0.5, "right": places + 0.5, "bottom": rows - 0.5, "top": rows + 0.5}
+    chart.put("cells", **sides, fill=fills, kwh=kwh)
+    texts = [words.number(number, 1 if high >= 10 else 2) for number in kwh]
+    chart.put("signs", x=places, y=rows, text=texts, colour=[ink_on(fill) for fill in fills])
+    chart.set_ranges((-0.5, CELLS - 0.5), (-0.5, CELLS - 0.5))
 
 
 def short_numbers(places: FloatArray) -> list[str]:
@@ -354,7 +330,26 @@ PLOTS = (
         heights=(400, 470, 300),
         chart=partial(HistogramChart, ALONG_Y, "Histogram of the vertical axis", "beside"),
     ),
-    Plot(MAP, heights=(260, 300, 240), chart=partial(MapChart, MAP, "")),
+    Plot(
+        MAP,
+        "Median energy, kWh, over two inputs",
+        heights=(260, 300, 240),
+        x_title=" ",
+        y_title=" ",
+        sketch="map",
+        layers=(
+            no_grid,
+            methodcaller("source", "cells", "left", "right", "bottom", "top", "fill", "kwh"),
+            methodcaller(
+                *("glyphs", "quad", "cells", "left", "right", "bottom", "top"),
+                paint={"line_color": "surface"},
+                fill_color="fill",
+                line_width=2,
+            ),
+            methodcaller("coloured_signs", "signs", 12, text_align="center", text_baseline="middle"),
+        ),
+        draws=draw_medians,
+    ),
 )
 
 

@@ -2,7 +2,7 @@
 
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -15,6 +15,7 @@ from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.studies.rows import Chunk, worker_count
 from railjoule.core.studies.sweep import MemoryResults, Study, SweepTable, make_study, sensitivities
 from railjoule.core.studies.sweep.engine import solve_rows
+from railjoule.core.studies.sweep.sobol import ROWS_PER_TERM
 from railjoule.core.studies.sweep.table_files import read_study, write_rows
 from railjoule.dashboard.work.run_table import Ends, RunTable
 
@@ -23,13 +24,14 @@ MAX_POINTS = 50_000
 """With more runs the points are drawn as a raster."""
 RASTER_PX = (440, 300)
 BINS = 40
+"""Of a histogram of many runs."""
 CELLS = 5
 """Of the map, in each direction."""
 QUANTILES = (0.05, 0.5, 0.95)
 SHOWN = (0.0005, 0.9995)
 """Quantiles between which values are drawn."""
-PREVIEW_RUNS, PREVIEW_S = 64, 3.0
-"""A preview has so many runs, or as many as this time takes [s]."""
+PREVIEW_RUNS, PREVIEW_S, MOST_PREVIEW_S = 64, 3.0, 12.0
+"""A preview has at least so many runs, is shown at these intervals, and ends after the longest time [s]."""
 Bounds = Mapping[str, Ends]
 
 
@@ -221,8 +223,10 @@ def raster(
 def histogram(values: FloatArray, held: Any, ends: Ends) -> Histogram:
     """Return the histogram of values between the ends of an axis."""
     known = values[np.isfinite(values)]
-    counts, edges = np.histogram(known, bins=BINS, range=ends)
-    picked = counts if held.all() else np.histogram(values[held & np.isfinite(values)], bins=BINS, range=ends)[0]
+    # few runs in many bins would look like a comb
+    bins = int(np.clip(2 * np.sqrt(len(known)), 8, BINS))
+    counts, edges = np.histogram(known, bins, ends)
+    picked = counts if held.all() else np.histogram(values[held & np.isfinite(values)], bins, ends)[0]
     places = np.quantile(known, QUANTILES) if len(known) else ()
     return Histogram(edges, counts, picked, tuple(float(place) for place in places))
 
@@ -339,20 +343,23 @@ class Preview:
     refusal: str = ""
 
 
-def compute_preview(settings: Settings) -> Preview:
-    """Return the first runs of a study, and an estimate of the time that all of them take."""
+def preview_steps(settings: Settings) -> Iterator[Preview]:
+    """Yield the first runs of a study, as many as its indices take, and an estimate of the time that all runs take."""
     try:
         study = settings.study()
     except RailjouleError as refusal:
-        return Preview(settings, refusal=str(refusal))
-    count = min(PREVIEW_RUNS, study.sample)
+        yield Preview(settings, refusal=str(refusal))
+        return
+    count = min(max(PREVIEW_RUNS, ROWS_PER_TERM * (len(study.fields) + 1)), study.sample)
     results, samples = MemoryResults(study), study.draw(0, count)
     # the first run loads the kernels and makes what all others share
     solve_rows(study, samples[:1])
-    started, done = time.perf_counter(), 0
-    while done < count and time.perf_counter() - started < PREVIEW_S:
+    started, done, shown_s = time.perf_counter(), 0, 0.0
+    while done < count and shown_s < MOST_PREVIEW_S:
         part = samples[done : done + 4]
         results.append(Chunk(done, part, solve_rows(study, part)), 0.0)
         done += len(part)
-    each_s = (time.perf_counter() - started) / done
-    return Preview(settings, results.to_table(), each_s * study.sample / worker_count())
+        passed_s = time.perf_counter() - started
+        if done == count or passed_s >= shown_s + PREVIEW_S:
+            shown_s = passed_s
+            yield Preview(settings, results.to_table(), passed_s / done * study.sample / worker_count())

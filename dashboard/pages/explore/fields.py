@@ -1,13 +1,20 @@
-"""The numbers of a scenario that a study may vary: their names, bounds, and the ranges that one begins with."""
+"""The numbers of a scenario that a study may vary: their names, bounds, first ranges, and the table of its rows."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
+import numpy as np
+
 from railjoule.core.scenario import Scenario
+from railjoule.core.studies.sweep import DEFAULT_COLUMNS, Study, SweepTable
+from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.editor.fields_of import Field, parts_of, tables_in
+from railjoule.dashboard.look import words
+from railjoule.dashboard.pages.explore.compute import ENERGY
+from railjoule.dashboard.work.run_table import Column, RunTable, digits_for
 
 GROUPS = ("timetable", "vehicle", "drive", "line")
 """Tables of a file on whose numbers a plan depends, those within them included."""
@@ -32,7 +39,6 @@ TIME_SPAN = 1.02, 1.4
 MOST_OF_FRACTIONS = 1.5
 """Of a number with bounds up to this, the slider reaches from one to the other."""
 RULER_STEPS = 400
-NO_UNIT = "\u2013"
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,7 @@ class StudyField:
         """Quantity and unit, as on an axis; a dash where it has none. In an inner table with the name of that table."""
         name = self.declared.quantity
         inner = f"{self.group}: {name[:1].lower()}{name[1:]}" if self.path.count(".") > 1 else name
-        return f"{inner}, {self.declared.unit or NO_UNIT}"
+        return f"{inner}, {self.declared.unit or words.UNKNOWN}"
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -147,12 +153,12 @@ def _fields_in(scenario: Scenario, table: str, model: str) -> Iterator[StudyFiel
             value = scenario.travel_time_s if part.key == TRAVEL_TIME else held_at(scenario, part.key)
             # one that is left out follows from others, and cannot vary beside them
             if isinstance(value, int | float) and not isinstance(value, bool):
-                yield StudyField(part.key, _words(table), part, float(value))
+                yield StudyField(part.key, _group_words(table), part, float(value))
     for inner in tables_in(table, kind):
         yield from _fields_in(scenario, inner, model)
 
 
-def _words(table: str) -> str:
+def _group_words(table: str) -> str:
     name = table.rpartition(".")[2].replace("_", " ")
     return name[:1].upper() + name[1:]
 
@@ -172,3 +178,47 @@ def first_ranges(scenario: Scenario) -> dict[str, list[float]]:
     # of a load in tonnes there may be no share
     varied = (LOAD_T if path == LOAD_SHARE and LOAD_T in known else path for path in FIRST_VARIED)
     return {path: list(known[path].first_range) for path in varied if path in known}
+
+
+# ---- the rows of a study
+
+COLUMNS = (*DEFAULT_COLUMNS, "max_speed_kmh")
+"""The results of each run of a study of this page."""
+RESULTS: Mapping[str, tuple[str, Callable[[float], str]]] = {
+    ENERGY: ("Energy, kWh", words.energy),
+    "lower_bound_kwh": ("Lower bound, kWh", words.energy),
+    "travel_time_s": ("Time of the run, s", words.time),
+    "price_of_time_w": ("Extra second saves, Wh/s", partial(words.number, digits=1)),
+    "max_speed_kmh": ("Highest speed, km/h", partial(words.number, digits=1)),
+    "traction_energy_kwh": ("Energy for traction, kWh", words.energy),
+    "recuperated_kwh": ("Recuperated, kWh", words.energy),
+    "auxiliary_kwh": ("Auxiliaries, kWh", words.energy),
+    "running_resistance_kwh": ("Running resistance, kWh", words.energy),
+    "curve_resistance_kwh": ("Curves, kWh", words.energy),
+    "kinetic_kwh": ("Kinetic energy, kWh", words.energy),
+    "potential_kwh": ("Potential energy, kWh", words.energy),
+    "losses_kwh": ("Losses, kWh", words.energy),
+    "brake_resistors_kwh": ("Brake resistors, kWh", words.energy),
+    "friction_brakes_kwh": ("Friction brakes, kWh", words.energy),
+}
+"""Quantity and unit of the results of a sweep, and how a number of them is written."""
+SCALES = {"price_of_time_w": 1 / J_PER_WH}
+"""A number in the unit above over that of the sweep."""
+
+
+def study_columns(study: Study) -> dict[str, Column]:
+    """Return the columns of a study: the inputs, then the results."""
+    known, found = fields_that_vary(study.scenario), {}
+    for field in study.fields:
+        label = known[field.name].label if field.name in known else f"{field.name}, {words.UNKNOWN}"
+        digits = 0 if field.whole else digits_for(field.high - field.low)
+        found[field.name] = Column(label, partial(words.number, digits=digits), (field.low, field.high))
+    return found | {name: Column(*RESULTS[name]) for name in study.columns}
+
+
+def study_table(table: SweepTable) -> RunTable:
+    """Return the rows of a study as a table of runs."""
+    feasible = np.isfinite(table.columns[ENERGY])
+    values = {name: SCALES.get(name, 1.0) * of[feasible] for name, of in {**table.samples, **table.columns}.items()}
+    reason = next(iter(table.reasons.values()), "")
+    return RunTable("Study", study_columns(table.study), values, table.index[feasible], table.rows, ENERGY, reason)

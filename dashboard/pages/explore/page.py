@@ -28,9 +28,11 @@ from railjoule.dashboard.pages.explore.compute import Look
 from railjoule.dashboard.pages.explore.ranges import Span, typed_ends
 from railjoule.dashboard.pages.explore.study import ROWS_AT_ONCE, STARTS, SUFFIX, Studies
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import button
 from railjoule.dashboard.work.run_table import Ends
 
 INTRO = "Choose inputs and ranges on the left, then Run. The preview below shows the first {} of {} runs."
+PREVIEWED = "This is a preview; all runs give closer numbers."
 FORMER = "Shown: results of the previous settings."
 SO_FAR = "The figures show the runs done so far."
 HINT = "Drag over a figure to select runs, or type the ends of the selection; press a point to choose its run."
@@ -71,11 +73,9 @@ class Explore(Studies):
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
         plots = self.host.plots
-        self.status, self.legend, self.indices, self.intro, self.list = (_pane() for _ in range(5))
-        self.buttons = {
-            label: pmui.Button(label=label, variant="outlined", size="small", margin=(0, 0, 0, 6), on_click=act)
-            for label, act in (("Stop", self.stop), ("Resume", self.go_on), ("Close the draws", self._close_draws))
-        }
+        self.finding, self.status, self.legend, self.indices, self.intro, self.list = (_pane() for _ in range(6))
+        acts = {"Stop": self.stop, "Resume": self.go_on, "Close the draws": lambda _: self.param.update(draws=None)}
+        self.buttons = {label: button(label, act, margin=(0, 0, 0, 6)) for label, act in acts.items()}
         suffixes = {SUFFIX: "Save study", ".csv": "CSV", **({".parquet": "Parquet"} if has_parquet() else {})}
         self.saves = {suffix: self._download(suffix, label) for suffix, label in suffixes.items()}
         head = parts.stack(self.status, pn.Row(*self.saves.values(), *self.buttons.values(), margin=0), css=HEAD_CSS)
@@ -97,10 +97,8 @@ class Explore(Studies):
         self.body = parts.stack(
             parts.stack(left, right, css=BODY_CSS), self._layout_selection(), self.others, self._layout_rows()
         )
-        self.run = pmui.Button(
-            label="Run", variant="contained", size="small", margin=(0, 20, 6, 20), on_click=self.begin
-        )
-        return parts.stack(self.intro, self.run, head, self.host.figures, self.body)
+        self.run = button("Run", self.begin, variant="contained", margin=(0, 20, 6, 20))
+        return parts.stack(self.finding, self.intro, self.run, head, self.host.figures, self.body)
 
     def _download(self, suffix: str, label: str) -> pmui.FileDownload:
         made = pmui.FileDownload(
@@ -121,13 +119,7 @@ class Explore(Studies):
 
     def _layout_selection(self) -> Viewable:
         self.spans = {axis: Span(partial(self._take_span, axis)) for axis in ("y", "x")}
-        self.clear = pmui.Button(
-            label="Clear selection",
-            variant="text",
-            size="small",
-            margin=(8, 0, 0, 0),
-            on_click=lambda _: self.param.update(choice={}, listed=ROWS_AT_ONCE),
-        )
+        self.clear = button("Clear selection", lambda _: self._choose({}), variant="text", margin=(8, 0, 0, 0))
         self.span_names = {axis: parts.html_pane() for axis in self.spans}
         fields = [
             parts.stack(self.span_names[axis], typed_ends(span, f"Selection, {AXES[axis].lower()}", 2))
@@ -141,37 +133,31 @@ class Explore(Studies):
 
     def _layout_rows(self) -> Viewable:
         self.chosen_run = pmui.Select(label="Run", options={}, size="small", width=260, margin=(0, 8, 0, 0))
-        self.open_button = pmui.Button(
-            label="Open on Drive",
-            variant="outlined",
-            size="small",
-            on_click=lambda _: self.open_run(self.chosen_run.value),
-        )
-        self.more = pmui.Button(
-            label=f"Next {ROWS_AT_ONCE}",
+        self.open_button = button("Open on Drive", lambda _: self.open_run(self.chosen_run.value))
+        self.more = button(
+            f"Next {ROWS_AT_ONCE}",
+            lambda _: self.param.update(listed=self.listed + ROWS_AT_ONCE),
             variant="text",
-            size="small",
             margin=0,
-            on_click=lambda _: self.param.update(listed=self.listed + ROWS_AT_ONCE),
         )
         self.opening = pn.FlexBox(self.chosen_run, self.open_button, gap="8px", margin=(0, 0, 8, 0))
         return parts.stack(self.opening, self.list, self.more, css=ROWS_CSS)
 
     # ---- what the user asks for
 
+    def _choose(self, choice: dict[str, Ends]) -> None:
+        with pn.io.hold():
+            self.param.update(choice=choice, listed=ROWS_AT_ONCE)
+
     def select(self, ends: dict[str, Ends]) -> None:
         """Select the runs between ends of some columns, and within those of the other columns as before."""
-        with pn.io.hold():
-            self.param.update(choice={**self.choice, **ends}, listed=ROWS_AT_ONCE)
+        self._choose({**self.choice, **ends})
 
     def _take_span(self, axis: str, ends: tuple[float | None, float | None]) -> None:
         name = self.axes()[axis]
+        typed = (far if end is None else end for far, end in zip((-math.inf, math.inf), ends, strict=True))
         others = {column: bounds for column, bounds in self.choice.items() if column != name}
-        if ends == (None, None):
-            self.param.update(choice=others, listed=ROWS_AT_ONCE)
-            return
-        low, high = (far if end is None else end for far, end in zip((-math.inf, math.inf), ends, strict=True))
-        self.param.update(choice={**others, name: (low, high)}, listed=ROWS_AT_ONCE)
+        self._choose(others if ends == (None, None) else {**others, name: (next(typed), next(typed))})
 
     def _choose_column(self, name: str, event: Any) -> None:
         if event.new and event.new != self.axes().get(name):
@@ -183,9 +169,6 @@ class Explore(Studies):
         with pn.io.hold():
             self.chosen_run.param.update(options={label: row, **self.chosen_run.options}, value=row)
 
-    def _close_draws(self, *_: Any) -> None:
-        self.draws = None
-
     # ---- drawing
 
     @shows("progress", "asked", "preview", "table", "draws", "note", "may_go_on", *STARTS, "scenario")
@@ -195,9 +178,9 @@ class Explore(Studies):
         self.buttons["Stop"].param.update(visible=own and under_way, disabled=progress.state == "stopping")
         self.buttons["Resume"].visible = own and progress.state in {"stopped", "failed"} and self.may_go_on
         self.buttons["Close the draws"].visible = not own
-        for suffix, button in self.saves.items():
+        for suffix, save in self.saves.items():
             # a file names the version of the solver, which is another one where the study may not go on
-            button.visible = own and self.table is not None and (self.may_go_on or suffix != SUFFIX)
+            save.visible = own and self.table is not None and (self.may_go_on or suffix != SUFFIX)
         note = self.note
         if not note and self.asked is not None and self.asked != self.settings:
             note = FORMER
@@ -236,6 +219,8 @@ class Explore(Studies):
         # those of another table may still be on their way
         if shares is not None and not set(shares.fields) <= set(look.table.columns):
             shares = None
+        note = PREVIEWED if self.table is None else ""
+        self.finding.object = texts.finding_html(shares, look.table.columns, note)
         self.host.figures.object = parts.figures(texts.number_figures(look, shares))
         self._offer(look)
         self._show_selection(look)
@@ -281,7 +266,7 @@ class Explore(Studies):
             self._others = {
                 name: self._others.get(name)
                 # colours of its own, which go with it
-                or HistogramChart(histogram_name(name), columns[name].words, "", OTHER_HEIGHTS[0], Palette(dark))
+                or HistogramChart(histogram_name(name), columns[name].label, "", OTHER_HEIGHTS[0], Palette(dark))
                 for name in names
             }
             self.host.heights = {

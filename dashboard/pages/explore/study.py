@@ -31,15 +31,14 @@ from railjoule.dashboard.pages.explore.compute import (
     Settings,
     Shares,
     compute_look,
-    compute_preview,
     compute_shares,
     open_study,
+    preview_steps,
     table_file,
 )
-from railjoule.dashboard.pages.explore.fields import MOST_VARIED, first_ranges
+from railjoule.dashboard.pages.explore.fields import COLUMNS, MOST_VARIED, first_ranges, study_columns, study_table
 from railjoule.dashboard.pages.explore.ranges import InputRanges
 from railjoule.dashboard.pages.explore.running import WAITS, Progress, State, Step, run_in_steps
-from railjoule.dashboard.pages.explore.table import COLUMNS, study_columns, study_table
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.draft import FIELD_KEYS
 from railjoule.dashboard.state.kept import result, short
@@ -176,9 +175,9 @@ class Studies(Page):
         rows = self.rows
         return rows.columns if isinstance(rows, RunTable) else {} if rows is None else study_columns(rows.study)
 
-    @work("scenario", *STARTS, into="preview", is_slow=is_slow)
+    @study("scenario", *STARTS, into="preview")
     def _preview(self) -> Request:
-        return compute_preview, self.settings
+        return preview_steps, self.settings
 
     @work("scenario", "table", "preview", "draws", into="shares", is_slow=is_slow)
     def _shares(self) -> Request:

@@ -15,6 +15,8 @@ from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.work.run_table import Column, RunTable
 
 TOO_FEW = "too few runs yet"
+FURTHER = 2
+"""So many inputs are named after the one that decides most."""
 WELL_EXPLAINED = 0.99
 """Below this share of the spread a note states how much the indices explain."""
 
@@ -56,6 +58,16 @@ def intro_html(sentence: str, is_sketched: bool) -> Markup:
     """Return the sentence before the first study; a sketch of the figures until a preview is there."""
     sketch = markup('<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">{}</svg>', shapes("bars"))
     return markup('<div class="study-intro"><p>{}</p>{}</div>', sentence, sketch if is_sketched else "")
+
+
+def finding_html(shares: Shares | None, columns: Mapping[str, Column], note: str) -> Markup:
+    """Return in a sentence which inputs decide the energy, and a note; nothing as long as that is not known."""
+    if shares is None or shares.refusal:
+        return Markup()
+    most, *others = zip(shares.fields, (words.number(100 * share, 0) for share in shares.first), strict=True)
+    further = [f"{columns[name].within_sentence} {share} %" for name, share in others[:FURTHER] if share != "0"]
+    sentence = f"{columns[most[0]].quantity} decides {most[1]} % of the spread in energy"
+    return parts.finding(f"{', then '.join([sentence, *further])}.", note)
 
 
 def number_figures(look: Look, shares: Shares | None) -> list[Markup]:

@@ -1,5 +1,9 @@
 """Help: the way to the documentation, the keys, what each page answers, how to read a proof, the whole glossary."""
 
+from collections.abc import Mapping
+from typing import Any
+
+import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.dashboard.limits import limits
@@ -21,6 +25,22 @@ KEYS = (
     ("Left, right", "move a slider by one step; Home and End to its ends"),
 )
 """The keys and their uses; letters, digits and signs only while nothing is typed."""
+USES: Mapping[str, str] = {
+    "Start": "Begin with a shipped scenario or a file of your own.",
+    "Drive": "Read, play and print the driving advice; move an instruction; count the saving of a year.",
+    "Compare": "Read energies, times and bounds in one table; see what two scenarios differ in.",
+    "Trade-off": "See what each further second saves, and choose a travel time.",
+    "What if": "Change load and position, add red signals and limits, draw at random, find a robust plan.",
+    "Set speeds": "Find one set speed for each section, and its cost against the optimum.",
+    "Motor": "Drive the plan with controlled motors: currents, flux, slip and losses.",
+    "Line": "Distribute the running time supplement among the legs between stations.",
+    "Explore": "Vary several inputs together, and open any of the runs on Drive.",
+    "Learn": "Drive by hand, guess, draw; open a class for the phones of students.",
+    "Files": "Import a line, a train or recorded runs; compare recorded runs with the best.",
+    "Papers": "Look up every printed number and claim beside those of railjoule.",
+    "Help": "Look up a key, a term or the reading of a proof.",
+}
+"""The use of each page."""
 PROOF = (
     (
         "The lower bound",
@@ -59,7 +79,7 @@ PROOF = (
 )
 HELP_CSS = """
 .help p a { display: inline-block; min-height: 24px; color: var(--rj-accent); font-weight: 600; }
-.help { padding: 4px 20px 32px; max-width: 1240px; }
+.help { padding: 4px 20px 8px; max-width: 1240px; }
 .help h2 { font-size: 15px; margin: 22px 0 6px; }
 .help h3 { font-size: 13px; font-weight: 600; color: var(--rj-ink); margin: 14px 0 2px; break-after: avoid; }
 .help table { width: auto; font-size: 13px; }
@@ -97,14 +117,29 @@ class Help(Page):
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
         self.host.heading.object = parts.heading(self.page, "Keys, pages, proofs and all terms", "", "")
-        return parts.html_pane(help_html(), stylesheets=[parts_css(), HELP_CSS])
+        sheets = [parts_css(), HELP_CSS]
+        self.terms = parts.html_pane(stylesheets=sheets)
+        self.search = pmui.TextInput(label="Find a term", size="small", width=260, margin=(8, 20))
+        self.search.param.watch(self._find, "value_input")
+        # a term that is asked for on another page is not to be hidden here
+        self.desk.param.watch(lambda *_: self.search.param.update(value="", value_input=""), "page")
+        self._find()
+        first = parts.html_pane(first_html(), stylesheets=sheets)
+        return parts.stack(first, self.search, self.terms, parts.html_pane(last_html(), stylesheets=sheets))
+
+    def _find(self, *_: Any) -> None:
+        self.terms.object = glossary_html(self.search.value_input or "")
 
 
-def help_html() -> Markup:
-    """Return the page below its heading."""
-    first = markup('<div class="first"><div>{}</div><div>{}</div></div>', pages_html(), keys_html())
-    pieces = documentation_html(), first, glossary_html(), proof_html(), limits_html()
-    return markup('<div class="help">{}</div>', joined(pieces))
+def first_html() -> Markup:
+    """Return the pages and the keys."""
+    both = markup('<div class="first"><div>{}</div><div>{}</div></div>', pages_html(), keys_html())
+    return markup('<div class="help">{}{}<h2 id="terms">All terms</h2></div>', documentation_html(), both)
+
+
+def last_html() -> Markup:
+    """Return how to read a proof, and the limits."""
+    return markup('<div class="help">{}{}</div>', proof_html(), limits_html())
 
 
 def limits_html() -> Markup:
@@ -131,9 +166,8 @@ def documentation_html() -> Markup:
 def keys_html() -> Markup:
     """Write the table of keys."""
     rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
-    note = "The keys ?, 1 to 9 and P are off while you type in a field. The search of the browser finds a term below."
-    template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
-    return markup(template, rows, parts.note_paragraphs([note]))
+    note = "The keys ?, 1 to 9 and P are off while you type in a field."
+    return markup('<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}', rows, parts.note_paragraphs([note]))
 
 
 def pages_html() -> Markup:
@@ -144,7 +178,8 @@ def pages_html() -> Markup:
         # assets/scripts/browser.js turns to the page that data-open names
         button = markup('<button type="button" class="open-page" data-open="{0}">{0}</button>', name)
         pressed = markup("<kbd>{}</kbd>", key) if key else ""
-        rows.append(markup("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", button, pressed, entry.question))
+        row = '<tr><td>{}</td><td>{}</td><td>{}<br><span class="muted">{}</span></td></tr>'
+        rows.append(markup(row, button, pressed, entry.question, USES[name]))
     return markup('<h2 id="pages">Pages</h2><table><tbody>{}</tbody></table>', joined(rows))
 
 
@@ -154,12 +189,19 @@ def proof_html() -> Markup:
     return markup('<h2 id="proof">How to read a proof</h2><div class="columns">{}</div>', rows)
 
 
-def glossary_html() -> Markup:
-    """Return all terms by group."""
+def glossary_html(part: str = "") -> Markup:
+    """Return the terms that have a text in name, labels or explanation, by group; all without one."""
     groups = joined(
-        markup("<h3>{}</h3><dl>{}</dl>", group, joined(map(entry_html, terms))) for group, terms in GROUPS.items()
+        markup("<h3>{}</h3><dl>{}</dl>", group, joined(map(entry_html, found)))
+        for group, terms in GROUPS.items()
+        if (found := [term for term in terms if part.lower() in _text(term)])
     )
-    return markup('<h2 id="terms">All terms</h2><div class="columns">{}</div>', groups)
+    none = markup("<p role=status>No term has \u201c{}\u201d.</p>", part)
+    return markup('<div class="help"><div class="columns">{}</div></div>', groups or none)
+
+
+def _text(term: Term) -> str:
+    return " ".join((term.name, *term.labels, term.text)).lower()
 
 
 def entry_html(term: Term) -> Markup:

@@ -1,9 +1,11 @@
-"""The lesson that is driven: the meshed line for the browser, and the comparison of a try with the optimum."""
+"""The lesson that is driven: its component, the line for the browser, and the comparison of a try with the optimum."""
 
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
+import param
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
 from railjoule.core.arrays import IntArray
@@ -20,8 +22,21 @@ from railjoule.core.simulation.manual import (
     require_drivable,
 )
 from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.learn.verdict import FASTER, MORE, Verdict, compare
+from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.scripts import module
+from railjoule.dashboard.look.theme import played_css
+from railjoule.dashboard.pages.learn.verdict import (
+    FASTER,
+    MORE,
+    PLAYED_TEXTS,
+    Verdict,
+    best_try,
+    compare,
+    details,
+    outcome,
+)
 
 PRESET = "metro-with-limit"
 """A metro train with a constant efficiency; "Open on Drive" opens it."""
@@ -145,3 +160,73 @@ def _limit(limit: EffortLimit) -> dict[str, Any]:
 def _finite(value: float) -> float | None:
     """Return a number that JSON can hold: None for one that is infinite."""
     return float(value) if np.isfinite(value) else None
+
+
+# ---- on the page
+
+
+class DriveIt(Form):
+    """The lesson, driven in the browser and judged by the server.
+
+    Parameters
+    ----------
+    field : str
+        The field of the page that holds what was driven last.
+    hear : callable
+        Called with the field, what the browser reports, and the text of what was driven.
+    """
+
+    _esm = module("drive_it")
+
+    title = param.String(default="", doc="Its heading.")
+    text = param.String(default="", doc="The task of the lesson.")
+    given = param.Dict(default={}, doc="Initial data of the lesson.")
+    verdict = param.Dict(default={}, doc="How what was played compares with the best; empty before the first time.")
+    refusals = param.Integer(default=0, doc="Counts what could not be judged.")
+    lead = param.String(default="", doc="The lesson that a link leads to.")
+
+    def __init__(self, field: str, hear: Callable[[str, str, str], None]) -> None:
+        texts = PLAYED_TEXTS[field]
+        super().__init__(
+            lambda message: hear(field, str(message.get("what", "")), str(message.get("text", ""))),
+            title=texts["title"],
+            text=texts["text"],
+            css_classes=[f"rj-lesson-{field}"],
+            stylesheets=[played_css()],
+        )
+
+    @property
+    def view(self) -> "DriveIt":
+        """The part of the page."""
+        return self
+
+    def begin(self, given: dict[str, Any]) -> None:
+        """Begin with what the module of the lesson returns."""
+        self.given = given
+
+    def refuse(self) -> None:
+        """Accept input again after a failed verdict."""
+        self.refusals += 1
+
+    def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:
+        """Show a verdict, beside the tries so far where they are counted."""
+        best = best_try(tries)
+        self.verdict = {
+            **verdict.curves,
+            "head": str(outcome(verdict) + buttons(verdict, tries)),
+            "details": str(details(verdict, tries)),
+            "tried": len(tries),
+            "note": f"best of your tries {words.energy(best.kwh)}" if best else "",
+            # the same may be judged twice, and only a difference is sent to the browser
+            "count": self.verdict.get("count", 0) + 1,
+        }
+
+
+def buttons(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
+    """Return the buttons that lead on from a verdict."""
+    plain, left = Markup(""), TRIES - len(tries)
+    again = f"Drive again ({left} left)" if left else "Begin again with three tries"
+    open_it = PLAYED_TEXTS[verdict.field]["open"]
+    made = (("again", again, plain), ("watch", "Watch your run", plain), ("open", open_it, Markup(" class=main")))
+    pieces = (markup("<button type=button data-what={}{}>{}</button>", what, kind, label) for what, label, kind in made)
+    return markup("<div class=row>{}</div>", joined(pieces))

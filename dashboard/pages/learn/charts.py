@@ -1,12 +1,10 @@
 """The charts of Learn: speeds of two runs, energy over time with the price of a second, the phase plane."""
 
 from collections.abc import Mapping
-from functools import partial
 from operator import methodcaller
 from typing import Any
 
 import numpy as np
-from bokeh.models import Span
 
 from railjoule.core.studies.steady import SteadySpeeds
 from railjoule.core.studies.tradeoff import Frontier
@@ -14,13 +12,11 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
 from railjoule.dashboard.charts.chart import axis_line
 from railjoule.dashboard.charts.dress import text_style
-from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import AnyPlot, Plot, Stroke
+from railjoule.dashboard.charts.plot import AnyPlot, CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import SPEED
 from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, data_range
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
 
@@ -84,109 +80,96 @@ def price_curves(result: LessonResult, frontier: Frontier) -> tuple[dict[str, Cu
     return curves, (float(time[0]), float(time[-1])), ends
 
 
-class PhasePlaneChart(LoneChart):
-    """Value of a joule of kinetic energy over speed; two curves separate the three driving regimes."""
+def draw_plane(chart: CurveChart, result: LessonResult) -> None:
+    """Draw the three driving regimes, which two values of kinetic energy separate, and the run through them."""
+    steady = result.steady
+    if steady is None:
+        return
+    chart.set_ranges((0, MOST_KMH), WORTH_ENDS)
+    speed = np.concatenate([curve.speed_ms for curve in result.plane]) / MS_PER_KMH
+    worth = np.concatenate([curve.adjoint for curve in result.plane])
+    # a little beyond the frame, as near rest the worth has no end
+    chart.put("run", **xy(speed, np.clip(worth, WORTH_ENDS[0] - 1, WORTH_ENDS[1] + 1)))
+    chart.put("levels", y=[steady.driving_adjoint, steady.braking_adjoint])
+    tokens, (low, high) = chart.palette.tokens, WORTH_ENDS
+    ends = np.array([low - 1, steady.braking_adjoint, steady.driving_adjoint, high + 1])
+    fill = [tokens[name] for name in ("brake", "coast", "part_power")]
+    chart.put("bands", **columns(bottom=ends[:-1], top=ends[1:]), fill=fill)
+    middles = (0.5 * (low + steady.braking_adjoint), 0.5 * sum(ends[1:3]), 0.5 * (high + steady.driving_adjoint))
+    chart.put("regions", y=list(middles), text=["brake", "coast", "full power"], ink=[tokens["ink2"]] * 3)
+    _mark(chart, steady)
 
-    kind = "map"
-    look: Mapping[str, Any] = {"ticks": 4, "digits": 1, "x_title": SPEED.words, "y_title": "Worth, J"}
-    layers = (
-        methodcaller("source", "bands", "bottom", "top", "fill"),
-        methodcaller(
-            # wider than any zoom: the regions have no ends along the speed
-            *("glyphs", "quad", "bands", -10, 1e3, "top", "bottom"),
-            paint={},
-            fill_color="fill",
-            fill_alpha=0.35,
-            line_color=None,
-        ),
-        methodcaller("source", "regions", "y", "text", "ink"),
-        methodcaller(
-            *("glyphs", "text", "regions", MOST_KMH - 1, "y", "text"),
-            paint={},
-            text_color="ink",
-            text_align="right",
-            text_baseline="middle",
-            **text_style(11),
-        ),
-        methodcaller("line", "run", "optimal", line_width=2.6),
-        methodcaller("dots", "marks", size=8, line_width=2),
-        methodcaller("add_names", size=11),
+
+def _mark(chart: CurveChart, steady: SteadySpeeds) -> None:
+    """Mark where the run changes its regime."""
+    switches = [
+        (steady.highest_ms / MS_PER_KMH, steady.driving_adjoint),
+        (steady.brake_ms / MS_PER_KMH, steady.braking_adjoint),
+    ]
+    word = "hold" if steady.highest_ms >= 0.999 * steady.hold_ms else "motors off at"
+    texts = f"{word} {words.speed(steady.highest_ms, 1)} km/h", f"brake from {words.speed(steady.brake_ms, 1)} km/h"
+    chart.put("marks", **points(switches))
+    ink, ends = chart.palette.tokens["ink"], np.array([0.0, MOST_KMH])
+    names = [Name(text, text, ink, point=point) for text, point in zip(texts, switches, strict=True)]
+    frame, regions = chart.frame_now, chart.sources["regions"].data
+    lines = {
+        "run": (np.asarray(chart.sources["run"].data["x"]), np.asarray(chart.sources["run"].data["y"])),
+        "driving": (ends, np.full(2, steady.driving_adjoint)),
+        "braking": (ends, np.full(2, steady.braking_adjoint)),
+    }
+    taken = [
+        frame.box(MOST_KMH - 1, y, text, align="right", lift_px=-7)
+        for y, text in zip(regions["y"], regions["text"], strict=True)
+    ]
+    chart.place_names(lines, names, [*taken, *(frame.dot(*point) for point in switches)], size=11)
+
+
+def make_plane_plot(lesson: Lesson) -> Plot:
+    """Return the figure of the value of a joule of kinetic energy over speed."""
+    return Plot(
+        f"plane_{lesson.name}",
+        "Phase plane: value of a joule of kinetic energy, J from the supply, over speed, km/h",
+        heights=(250, 300, 240),
+        x_title=SPEED.words,
+        y_title="Worth, J",
+        digits=1,
+        sketch="map",
+        layers=PLANE_LAYERS,
+        draws=draw_plane,
     )
 
-    def __init__(self, lesson: str, height: int, palette: Palette) -> None:
-        caption = "Phase plane: value of a joule of kinetic energy, J from the supply, over speed, km/h"
-        super().__init__(f"plane_{lesson}", caption, height, palette)
-        self.set_ranges((0, MOST_KMH), WORTH_ENDS)
-        self.driving, self.braking = (Span(dimension="width", line_width=1) for _ in range(2))
 
-    def build(self) -> None:
-        """Make the figure."""
-        super().build()
-        assert self.figure is not None
-        for span in (self.driving, self.braking):
-            self.palette.paint(span, line_color="ink3")
-            self.figure.add_layout(span)
-
-    def draw(self, result: LessonResult) -> None:
-        """Draw the three regions and the run through them."""
-        steady = result.steady
-        if steady is None:
-            return
-        speed = np.concatenate([curve.speed_ms for curve in result.plane]) / MS_PER_KMH
-        worth = np.concatenate([curve.adjoint for curve in result.plane])
-        # a little beyond the frame, as near rest the worth has no end
-        self.put("run", **xy(speed, np.clip(worth, WORTH_ENDS[0] - 1, WORTH_ENDS[1] + 1)))
-        self.driving.location, self.braking.location = steady.driving_adjoint, steady.braking_adjoint
-        self._draw_regions(steady)
-        self._mark(steady)
-
-    def _draw_regions(self, steady: SteadySpeeds) -> None:
-        tokens, (low, high) = self.palette.tokens, WORTH_ENDS
-        ends = (low - 1, steady.braking_adjoint, steady.driving_adjoint, high + 1)
-        self.put(
-            "bands",
-            **columns(bottom=np.array(ends[:-1]), top=np.array(ends[1:])),
-            fill=[tokens[name] for name in ("brake", "coast", "part_power")],
-        )
-        middles = (0.5 * (low + steady.braking_adjoint), 0.5 * sum(ends[1:3]), 0.5 * (high + steady.driving_adjoint))
-        self.put("regions", y=list(middles), text=["brake", "coast", "full power"], ink=[tokens["ink2"]] * 3)
-
-    def _mark(self, steady: SteadySpeeds) -> None:
-        reaches = steady.highest_ms >= 0.999 * steady.hold_ms
-        word = "hold" if reaches else "motors off at"
-        switches = [
-            (steady.highest_ms / MS_PER_KMH, steady.driving_adjoint),
-            (steady.brake_ms / MS_PER_KMH, steady.braking_adjoint),
-        ]
-        texts = (
-            f"{word} {words.speed(steady.highest_ms, 1)} km/h",
-            f"brake from {words.speed(steady.brake_ms, 1)} km/h",
-        )
-        self.put("marks", **points(switches))
-        ink, ends = self.palette.tokens["ink"], np.array([0.0, MOST_KMH])
-        names = [Name(text, text, ink, point=point) for text, point in zip(texts, switches, strict=True)]
-        frame, regions = self.frame_now, self.sources["regions"].data
-        lines = {
-            "run": (np.asarray(self.sources["run"].data["x"]), np.asarray(self.sources["run"].data["y"])),
-            "driving": (ends, np.full(2, steady.driving_adjoint)),
-            "braking": (ends, np.full(2, steady.braking_adjoint)),
-        }
-        taken = [
-            frame.box(MOST_KMH - 1, y, text, align="right", lift_px=-7)
-            for y, text in zip(regions["y"], regions["text"], strict=True)
-        ]
-        self.place_names(lines, names, [*taken, *(frame.dot(*point) for point in switches)], size=11)
+PLANE_LAYERS = (
+    methodcaller("source", "bands", "bottom", "top", "fill"),
+    methodcaller(
+        # wider than any zoom: the regions have no ends along the speed
+        *("glyphs", "quad", "bands", -10, 1e3, "top", "bottom"),
+        paint={},
+        fill_color="fill",
+        fill_alpha=0.35,
+        line_color=None,
+    ),
+    methodcaller("source", "regions", "y", "text", "ink"),
+    methodcaller(
+        *("glyphs", "text", "regions", MOST_KMH - 1, "y", "text"),
+        paint={},
+        text_color="ink",
+        text_align="right",
+        text_baseline="middle",
+        **text_style(11),
+    ),
+    methodcaller("glyphs", "hspan", "levels", "y", paint={"line_color": "ink3"}, line_width=1),
+    methodcaller("line", "run", "optimal", line_width=2.6),
+    methodcaller("dots", "marks", size=8, line_width=2),
+    methodcaller("add_names", size=11),
+)
 
 
 FIGURES: Mapping[str, tuple[AnyPlot, ...]] = {
     lesson.name: (
         make_speed_plot(lesson),
         *([PRICE] if lesson.name == "multiplier" else ()),
-        *(
-            [Plot(f"plane_{lesson.name}", "", heights=(250, 300, 240), chart=partial(PhasePlaneChart, lesson.name))]
-            if lesson.name in {"multiplier", "recuperation"}
-            else ()
-        ),
+        *([make_plane_plot(lesson)] if lesson.name in {"multiplier", "recuperation"} else ()),
     )
     for lesson in LESSONS
 }

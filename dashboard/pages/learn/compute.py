@@ -20,21 +20,12 @@ HUMP_TIME_S, LONG_TIME_S, LOAD_TIME_S = 125.0, 430.0, 125.0
 PLANNED_LOAD = 0.3
 
 
-@dataclass(frozen=True)
-class LessonRequest:
-    """A lesson, and where its slider stands."""
-
-    lesson: str
-    value: float
-
-
 @dataclass(frozen=True, eq=False)
 class LessonResult:
     """The results of one lesson.
 
     Parameters
     ----------
-    request : LessonRequest
     runs : mapping
         Runs by the names of their lines.
     frontier : Frontier or None
@@ -45,7 +36,6 @@ class LessonResult:
         The run in the phase plane.
     """
 
-    request: LessonRequest
     runs: Mapping[str, Trajectory]
     frontier: Frontier | None = None
     steady: SteadySpeeds | None = None
@@ -60,42 +50,41 @@ class LessonResult:
 
 # those of a class all begin with the same
 @lru_cache(maxsize=64)
-def compute_lesson(request: LessonRequest) -> LessonResult:
-    """Compute the runs of a lesson; raises RailjouleError if the slider asks for the impossible."""
-    return LESSONS[request.lesson](request)
+def compute_lesson(lesson: str, value: float) -> LessonResult:
+    """Compute the runs of a lesson for a value of its slider; raises RailjouleError if that asks for the impossible."""
+    return LESSONS[lesson](value)
 
 
 def compute_lessons(values: tuple[float, ...]) -> dict[str, LessonResult]:
     """Compute all lessons, each for the value of its slider."""
-    requests = (LessonRequest(name, value) for name, value in zip(LESSONS, values, strict=True))
-    return {request.lesson: compute_lesson(request) for request in requests}
+    return {name: compute_lesson(name, value) for name, value in zip(LESSONS, values, strict=True)}
 
 
 def _level(length_m: float, **changes: Any) -> Scenario:
     return load_scenario(BASE).replace(line={"sections": [{"length_m": length_m}]}, **changes)
 
 
-def _coasting(request: LessonRequest) -> LessonResult:
-    scenario = _level(SHORT_M, **{"timetable.travel_time_s": request.value})
-    return LessonResult(request, {"optimum": solve(scenario), "constant speed": one_speed_run(scenario)})
+def _coasting(value: float) -> LessonResult:
+    scenario = _level(SHORT_M, **{"timetable.travel_time_s": value})
+    return LessonResult({"optimum": solve(scenario), "constant speed": one_speed_run(scenario)})
 
 
-def _multiplier(request: LessonRequest) -> LessonResult:
-    scenario = _level(MIDDLE_M, **{"timetable.travel_time_s": request.value})
-    later = solve(scenario.replace(**{"timetable.travel_time_s": request.value + 1}))
+def _multiplier(value: float) -> LessonResult:
+    scenario = _level(MIDDLE_M, **{"timetable.travel_time_s": value})
+    later = solve(scenario.replace(**{"timetable.travel_time_s": value + 1}))
     task = prepare_task(scenario)
     frontier = energy_time_frontier(task, frontier_times(task, 24))
-    return _with_plane(request, scenario, {"optimum": solve(scenario), "with one more second": later}, frontier)
+    return _with_plane(scenario, {"optimum": solve(scenario), "with one more second": later}, frontier)
 
 
-def _recuperation(request: LessonRequest) -> LessonResult:
+def _recuperation(value: float) -> LessonResult:
     without = _level(LONG_M, **{"timetable.travel_time_s": LONG_TIME_S})
-    scenario = without.replace(**{"drive.recuperation_factor": request.value / 100})
-    return _with_plane(request, scenario, {"optimum": solve(scenario), "no recuperation": solve(without)})
+    scenario = without.replace(**{"drive.recuperation_factor": value / 100})
+    return _with_plane(scenario, {"optimum": solve(scenario), "no recuperation": solve(without)})
 
 
-def _gradient(request: LessonRequest) -> LessonResult:
-    steep = request.value
+def _gradient(value: float) -> LessonResult:
+    steep = value
     # SHORT_M together, so that both plans are of the same length
     sections = [
         {"length_m": 150.0},
@@ -107,30 +96,25 @@ def _gradient(request: LessonRequest) -> LessonResult:
     without = _level(SHORT_M, **{"timetable.travel_time_s": HUMP_TIME_S})
     with_gradients = without.replace(line={"sections": sections})
     driven = follow(plan_for(without), with_gradients).actual
-    return LessonResult(
-        request, {"planned with gradients": plan_for(with_gradients), "planned for level track": driven}
-    )
+    return LessonResult({"planned with gradients": plan_for(with_gradients), "planned for level track": driven})
 
 
-def _load(request: LessonRequest) -> LessonResult:
+def _load(value: float) -> LessonResult:
     planned = _level(SHORT_M, **{"timetable.travel_time_s": LOAD_TIME_S, "vehicle.load_factor": PLANNED_LOAD})
-    actual = request.value / 100
+    actual = value / 100
     driven = follow(plan_for(planned), planned.replace(**{"disturbance.actual_load_factor": actual})).actual
     # a heavier train is late: the plan for the actual load gets the same arrival
     for_actual = planned.replace(**{"vehicle.load_factor": actual, "timetable.travel_time_s": driven.travel_time_s})
-    return LessonResult(request, {"planned for the actual load": plan_for(for_actual), "planned for 30 %": driven})
+    return LessonResult({"planned for the actual load": plan_for(for_actual), "planned for 30 %": driven})
 
 
-def _with_plane(
-    request: LessonRequest, scenario: Scenario, runs: Mapping[str, Trajectory], frontier: Frontier | None = None
-) -> LessonResult:
+def _with_plane(scenario: Scenario, runs: Mapping[str, Trajectory], frontier: Frontier | None = None) -> LessonResult:
     run = runs["optimum"]
-    price = run.price_of_time_w or 0.0
-    steady = steady_speeds(scenario, price, float(run.speed_ms.max()))
-    return LessonResult(request, runs, frontier, steady, phase_plane(scenario, steady))
+    steady = steady_speeds(scenario, run.price_of_time_w or 0.0, float(run.speed_ms.max()))
+    return LessonResult(runs, frontier, steady, phase_plane(scenario, steady))
 
 
-LESSONS: Mapping[str, Callable[[LessonRequest], LessonResult]] = {
+LESSONS: Mapping[str, Callable[[float], LessonResult]] = {
     "coasting": _coasting,
     "multiplier": _multiplier,
     "recuperation": _recuperation,

@@ -11,11 +11,18 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import lesson_css, parts_css
 from railjoule.dashboard.look.words import PHASE_WORDS
-from railjoule.dashboard.pages.learn.answers import Answer, cells, compared_cells, energy_table, find_answer
+from railjoule.dashboard.pages.learn.answers import (
+    Answer,
+    StretchWords,
+    cells,
+    compared_cells,
+    energy_table,
+    find_answer,
+    stretch_words,
+)
 from railjoule.dashboard.pages.learn.charts import FIGURES, PRICE, price_curves
 from railjoule.dashboard.pages.learn.compute import LessonResult
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
-from railjoule.dashboard.pages.learn.stretch_words import StretchWords, stretch_words
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import radios
 from railjoule.dashboard.parts.number_field import NumberField

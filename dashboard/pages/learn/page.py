@@ -1,7 +1,7 @@
 """Learn: lessons that are played, five that ask for a guess, and the class that a lecturer opens."""
 
 import secrets
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -12,19 +12,17 @@ from panel.viewable import Viewable
 from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.page import Page, Request, shows, study, work
-from railjoule.dashboard.pages.learn.by_hand import LESSON_CHANGES, PRESET, TRIES, best_run, driven_run
+from railjoule.dashboard.pages.learn import by_hand, drawn, shared
+from railjoule.dashboard.pages.learn.by_hand import LESSON_CHANGES, PRESET, TRIES, DriveIt, best_run, driven_run
 from railjoule.dashboard.pages.learn.charts import FIGURES
 from railjoule.dashboard.pages.learn.class_view import CLASS_GUESSES, CLASS_RUNS, ClassView
 from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Classroom, Watcher
 from railjoule.dashboard.pages.learn.compute import compute_lessons
-from railjoule.dashboard.pages.learn.drawing import POINTS, drive_drawing
-from railjoule.dashboard.pages.learn.drawn import DRAWN_PLOTS, DrawSpeed
+from railjoule.dashboard.pages.learn.drawn import DRAWN_PLOTS, POINTS, DrawSpeed, drive_drawing
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
-from railjoule.dashboard.pages.learn.played import PLAYED, DriveIt, begin_all, judge
 from railjoule.dashboard.pages.learn.shared import ShareOut
-from railjoule.dashboard.pages.learn.verdict import Verdict
-from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS
+from railjoule.dashboard.pages.learn.verdict import PLAYED_TEXTS, Verdict
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedNumber
@@ -34,6 +32,25 @@ from railjoule.dashboard.workbench import Workbench
 GUESSES, DRAFTS = (tuple(getattr(lesson, name) for lesson in LESSONS) for name in ("guess", "draft"))
 LAST_POSITION = "Shown: the last slider position that could be computed."
 MODULE = "railjoule.dashboard.pages.learn.compute"
+PLAYED: Mapping[str, Any] = {"driven": by_hand, "drawn": drawn, "shared": shared}
+"""The modules that begin and judge, by the field of the page that holds the last play; the slowest is last."""
+
+
+def begin_all(texts: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """Yield the initial data of the lessons, one more at each step; `refused` has errors in a link's text."""
+    begun: dict[str, Any] = {"refused": None}
+    for field, lesson in PLAYED.items():
+        try:
+            begun = {**begun, field: lesson.begin(texts[field])}
+        except RailjouleError as error:
+            begun = {**begun, "refused": error, field: lesson.begin("")}
+        yield begun
+
+
+def judge(field: str, text: str, _count: int) -> Verdict:
+    """Return the verdict on a try in a lesson; the count makes equal requests differ."""
+    verdict: Verdict = PLAYED[field].judge(text)
+    return verdict
 
 
 class Learn(Page):
@@ -87,12 +104,12 @@ class Learn(Page):
         values = {name: float(getattr(self, name)) for name in NAMES}
         body = (
             f"for lesson, value in {values!r}.items():\n"
-            "    for name, run in compute_lesson(LessonRequest(lesson, value)).runs.items():\n"
+            "    for name, run in compute_lesson(lesson, value).runs.items():\n"
             '        print(f"{lesson}, {name}: {run.energy_kwh} kWh")\n'
         )
-        program = Program({"LessonRequest": MODULE, "compute_lesson": MODULE}, body, "", of_scenario=False)
-        program_note = "The lessons have scenarios of their own, which no command runs."
-        return PageRun(program, {"strategy": self.desk.chosen_now}, program_note)
+        program = Program({"compute_lesson": MODULE}, body, "", of_scenario=False)
+        note = "The lessons have scenarios of their own, which no command runs."
+        return PageRun(program, {"strategy": self.desk.chosen_now}, note)
 
     # ---- what it computes
 
@@ -227,8 +244,7 @@ class Learn(Page):
 
     @shows("begun", "failure")
     def _show_failure(self) -> None:
-        failure = self.failure or (self.begun and self.begun["refused"])
-        self.host.tell(failure, LAST_POSITION if self.failure else "")
+        self.host.tell(self.failure or (self.begun and self.begun["refused"]), LAST_POSITION if self.failure else "")
         for lesson in self.played.values() if self.failure else ():
             lesson.refuse()
 

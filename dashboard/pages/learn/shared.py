@@ -1,58 +1,243 @@
-"""The lesson on the running-time supplement: borders between legs, and what each makes of its seconds."""
+"""The lesson on the running-time supplement: three legs, the energy of each over its seconds, and the best of them."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
+import re
+from collections.abc import Sequence
+from functools import cache
 from itertools import accumulate
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 
+from railjoule.core import Scenario, ScenarioError, load_scenario
+from railjoule.core.energy import share_above
+from railjoule.core.strategies.line_parts import shortest_times_s, stop_nodes
+from railjoule.core.studies.table import StudyTable
+from railjoule.core.studies.whole_line import Leg, WholeLine, leg_tables, shared_line
+from railjoule.core.task import Task, prepare_task
+from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
-from railjoule.dashboard.look.theme import padded, played_css
-from railjoule.dashboard.pages.learn.slack import LEAST_S, SLACK_S
-from railjoule.dashboard.pages.learn.verdict import Verdict
-from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS, details, outcome
+from railjoule.dashboard.look.theme import played_css
+from railjoule.dashboard.pages.learn.verdict import PLAYED_TEXTS, ROOM, SMALL, Judged, Verdict
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import button
 
-ASK, BUSY = "Show the best distribution", "The best distribution is being computed."
+# ---- the judge
+
+BASE = "metro-10-stations"
+"""Train, load and recuperation are those of this scenario."""
+NAMES = ("Harbour", "Old Town", "University", "Hill")
+# assumed: the first line has one long leg between short ones, the second has legs nearly alike
+LENGTHS_M = {"uneven": (400.0, 2000.0, 600.0), "even": (1100.0, 1350.0, 1050.0)}
+SLACK_S, DWELL_S = 60, 25.0
+"""Supplement to distribute over the shortest times, and dwell time at each intermediate station [s]."""
+LEAST_S = 1
+"""No leg gets less, as the shortest time itself leaves nothing to choose."""
+MOST_S = SLACK_S - LEAST_S * (len(NAMES) - 2)
+SHARED = re.compile(r"(uneven|even):(\d{1,2}),(\d{1,2}),(\d{1,2})")
+# seconds are dragged whole, so that less than one is no difference
+ALIKE_S = 1.0
+AS_BEST = "{leg}: as in the best distribution, within a second."
+BEST = (
+    "Best, as the dashed borders: {seconds} s. There, one more second saves {price} Wh on every leg: moving a second "
+    "gains nothing."
+)
+TOO_MANY = "{leg}: {seconds} s too many. Here one more second saves only {price} Wh."
+TOO_FEW = "{leg}: {seconds} s too few. Here one more second would save {price} Wh."
+
+
+def begin(text: str) -> dict[str, Any]:
+    """Return the initial data of the browser: both lines, and equal seconds on the first or the distribution of a link.
+
+    Raises
+    ------
+    ScenarioError
+        If the text is no distribution on these lines.
+    """
+    line, seconds = read_sharing(text or "uneven:20,20,20")
+    return {"lines": {name: line_tables(name) for name in LENGTHS_M}, "line": line, "seconds": list(seconds)}
+
+
+def read_sharing(text: str) -> tuple[str, tuple[int, ...]]:
+    """Return the name of a line and the seconds of its legs from a text.
+
+    Raises
+    ------
+    ScenarioError
+        If it names no line, or its seconds are not those that there are to share out.
+    """
+    found = SHARED.fullmatch(text)
+    seconds = tuple(int(one) for one in found.groups()[1:]) if found else ()
+    if not found or min(seconds) < LEAST_S or sum(seconds) != SLACK_S:
+        raise ScenarioError(
+            f"shared must be uneven: or even: with three whole numbers of at least {LEAST_S} that sum to {SLACK_S}."
+        )
+    return found[1], seconds
+
+
+@cache
+def leg_task(name: str) -> Task:
+    """Return the task of a line, whose travel time leaves SLACK_S over the shortest times."""
+    wide = _scenario(name, 3600.0)
+    shortest = float(shortest_times_s(prepare_task(wide), stop_nodes(prepare_task(wide))).sum())
+    return prepare_task(_scenario(name, shortest + SLACK_S + DWELL_S * (len(NAMES) - 2)))
+
+
+def shared_scenario(name: str, seconds: tuple[int, ...]) -> Scenario:
+    """Return a line whose given timetable is a distribution."""
+    task = leg_task(name)
+    shortest = shortest_times_s(task, stop_nodes(task))
+    running = [float(least) + more for least, more in zip(shortest, seconds, strict=True)]
+    arrivals = [time + k * DWELL_S for k, time in enumerate(accumulate(running))][:-1]
+    return task.scenario.replace(**{"line.stations": _stations(name, arrivals)})
+
+
+def opened(text: str) -> Scenario:
+    """Return a line whose timetable is a distribution; errors as `judge`."""
+    return shared_scenario(*read_sharing(text))
+
+
+@cache
+def line_tables(name: str) -> dict[str, Any]:
+    """Return a line as the browser takes it: each leg's energy and price at each whole second of slack."""
+    task = leg_task(name)
+    dwells = DWELL_S * (len(NAMES) - 2)
+    tables = leg_tables(task, range(LEAST_S, MOST_S + 1))
+    # what the train takes while it stands is the same however the seconds are shared
+    standing_j = task.mesh.data.auxiliary_power_w * dwells
+    return {
+        "legs": [_leg(name, k, table) for k, table in enumerate(tables)],
+        "standing_kwh": standing_j / J_PER_KWH,
+        "min_s": LEAST_S,
+        "slack_s": SLACK_S,
+    }
+
+
+@cache
+def best_line(name: str) -> WholeLine:
+    """Return the optimum of a line."""
+    return shared_line(leg_task(name), "optimum")
+
+
+def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
+    """Return the run of least energy under a sharing."""
+    return shared_line(prepare_task(shared_scenario(name, seconds)), "given")
+
+
+def judge(text: str) -> Verdict:
+    """Compare a distribution with the best one.
+
+    Raises
+    ------
+    ScenarioError
+        If the text is no distribution on these lines.
+    """
+    name, seconds = read_sharing(text)
+    mine, best, legs = driven_line(name, seconds), best_line(name), len(LENGTHS_M[name])
+    bound = best.run.bound
+    assert bound is not None
+    equal = driven_line(name, (SLACK_S // legs,) * legs)
+    best_s = [leg.supplement_s for leg in best.legs]
+    sentences = [_on_leg(*pair) for pair in zip(mine.legs, best.legs, strict=True)]
+    sentences += [
+        BEST.format(seconds=", ".join(map(words.time, best_s)), price=words.price(best.legs[0].price_of_time_w)),
+        _worth(share_above(equal.run.energy_kwh, best.run.energy_kwh)),
+    ]
+    return Verdict(
+        "shared",
+        text,
+        kwh=mine.run.energy_kwh,
+        bound_kwh=bound.energy_j / J_PER_KWH,
+        proven=best.run.is_proven,
+        curves={"best_s": best_s},
+        sentences=tuple(sentences),
+    )
+
+
+def _on_leg(mine: Leg, best: Leg) -> str:
+    """Return a sentence that compares the supplement of a leg with the best one."""
+    more = mine.supplement_s - best.supplement_s
+    sentence = AS_BEST if abs(more) < ALIKE_S else TOO_MANY if more > 0 else TOO_FEW
+    return sentence.format(
+        leg=f"{mine.departs_from} \u2013 {mine.arrives_at}",
+        seconds=words.time(abs(more)),
+        price=words.price(mine.price_of_time_w),
+    )
+
+
+def _worth(share: float) -> str:
+    """Return sentences on the cost of an equal supplement on a line, and on the use of a better distribution."""
+    costs = f"An equal supplement costs {100 * share:.2f} % more than the best distribution"
+    # as on the page Line: a load or a day's weather moves the energy by more
+    if share >= 0.01:
+        return f"{costs}: on this line, distributing it pays."
+    return f"{costs}: on this line it does not pay. A few more passengers change more."
+
+
+def _leg(name: str, number: int, table: StudyTable) -> dict[str, Any]:
+    return {
+        "from": NAMES[number],
+        "to": NAMES[number + 1],
+        "length_m": LENGTHS_M[name][number],
+        "shortest_s": table.shortest_time_s,
+        "energy_kwh": table["energy_kwh"].tolist(),
+        "price_wh_s": table["price_of_time_wh_per_s"].tolist(),
+    }
+
+
+def _scenario(name: str, travel_time_s: float) -> Scenario:
+    sections = [section for length in LENGTHS_M[name] for section in _hump(length)]
+    line = {"name": f"Three {name} legs (assumed)", "sections": sections, "stations": _stations(name)}
+    title = f"Distribute the supplement: {name} legs"
+    return load_scenario(BASE).replace(title=title, line=line, **{"timetable.travel_time_s": travel_time_s})
+
+
+def _hump(length_m: float) -> list[dict[str, float]]:
+    """Return a leg between stations on humps, as metros have them."""
+    level, slope = {"length_m": 60.0}, 100.0
+    down, up = ({"length_m": slope, "gradient_permille": gradient} for gradient in (-20.0, 20.0))
+    between = {"length_m": length_m - 2 * (level["length_m"] + slope)}
+    return [level, down, between, up, level]
+
+
+def _stations(name: str, arrivals_s: list[float] | None = None) -> list[dict[str, Any]]:
+    places = [0.0, *accumulate(LENGTHS_M[name])]
+    rows: list[dict[str, Any]] = [
+        {"name": name, "position_m": place} for name, place in zip(NAMES, places, strict=True)
+    ]
+    for row in rows[1:-1]:
+        row["dwell_s"] = DWELL_S
+    for row, arrival in zip(rows[1:-1], arrivals_s or (), strict=False):
+        row["arrival_s"] = arrival
+    return rows
+
+
+# ---- the parts
+
 OTHER = {"uneven": ("even", "Next: a line with legs alike"), "even": ("uneven", "Back to the line with uneven legs")}
-ROOM = padded("14px 20px 20px", "12px 14px 16px") + ":host { border-top: 1px solid var(--rj-line); }"
+Seconds = tuple[int, ...]
 SHARE = '<div class=share style="width:{}%" title="{}"><b>{} s</b><span>{}</span></div>'
 LEG = (
     "<span>{}<small>{} km, {} kWh</small></span>"
     "<div><i style='width:{}%;background:var(--rj-accent)'></i></div><span>{}</span>"
 )
-BEST = '<i class=best style="left:{}%"></i>'
 STAGE = (
     "<div class=stage><div><h3>One more second would save, Wh</h3><div class=bars>{}</div></div>"
     "<div class=clocks><div>Whole line<b>{} kWh</b><small>{} kWh against an equal supplement</small></div></div></div>"
 )
-Seconds = tuple[int, ...]
 
 
-class ShareOut:
-    """The lesson, with the parts of a lesson that is played.
+class ShareOut(Judged):
+    """The lesson."""
 
-    Parameters
-    ----------
-    field : str
-        The field of the page that holds what was judged last.
-    hear : callable
-        Called with the field, what is wanted, and the text of the distribution.
-    """
+    frame, busy = "played share-out", "The best distribution is being computed."
+    sheets = (played_css,)
 
-    def __init__(self, field: str, hear: Callable[[str, str, str], None]) -> None:
-        self._hear = partial(hear, field)
-        self.given: dict[str, Any] = {}
+    def __init__(self, field: str, hear: Any) -> None:
+        super().__init__(field, hear)
         self.name, self.seconds = "", Seconds()
-        self.head, self.outcome, self.split, self.stage, self.details = (
-            parts.html_pane(stylesheets=[played_css()]) for _ in range(5)
-        )
-        texts = PLAYED_TEXTS[field]
-        self.head.object = framed(markup("<h2>{}</h2><p>{}</p>", texts["title"], texts["text"]))
-        self._tell("Opening")
+        self.split, self.stage = self.pane(), self.pane()
         # as long as the bar above it: the library would move the ends of its rail inwards
         self.borders = pmui.RangeSlider(
             label="",
@@ -67,38 +252,33 @@ class ShareOut:
             sizing_mode="stretch_width",
         )
         self.borders.param.watch(self._move, "value")
-        small: dict[str, Any] = {"size": "small", "margin": (8, 8, 0, 0)}
-        self.ask = pmui.Button(label=ASK, variant="contained", on_click=self._ask, **small)
-        self.other = pmui.Button(label="", variant="outlined", on_click=self._turn, **small)
-        self.open = pmui.Button(label=texts["open"], on_click=lambda _: self._hear("open", self.text), **small)
-        self.after = parts.stack(self.details, pn.Row(self.other, self.open, margin=0), visible=False)
-        self.played = parts.stack(self.split, self.borders, self.stage, self.ask, self.after, visible=False)
+        ask = button("Show the best distribution", self.ask, **{**SMALL, "variant": "contained"})
+        self.other = button("", self._turn, **SMALL)
+        open_it = button(PLAYED_TEXTS[field]["open"], self.open, **{**SMALL, "variant": "contained"})
+        self.after = parts.stack(self.details, pn.Row(self.other, open_it, margin=0), visible=False)
+        self.played = parts.stack(self.split, self.borders, self.stage, ask, self.after, visible=False)
         self.view = parts.stack(
-            self.head, self.outcome, self.played, css=ROOM, css_classes=[f"rj-lesson-{field}"], name=texts["title"]
+            self.head,
+            self.outcome,
+            self.played,
+            css=ROOM,
+            css_classes=[f"rj-lesson-{field}"],
+            name=PLAYED_TEXTS[field]["title"],
         )
 
     @property
-    def text(self) -> str:
+    def text(self) -> str:  # type: ignore[override]
         """The distribution as a text that fits into a link."""
         return f"{self.name}:{','.join(map(str, self.seconds))}"
 
-    def begin(self, given: dict[str, Any]) -> None:
-        """Begin with what `slack.begin` returns."""
-        self.given = given
-        self.played.visible = True
+    def lay(self, given: dict[str, Any]) -> None:
+        """Show the line and the seconds that it begins with."""
         self._lay(given["line"], tuple(given["seconds"]))
 
-    def refuse(self) -> None:
-        """Accept input again after a failed verdict."""
-        self._tell("")
-
-    def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:
-        """Show a verdict, unless the borders have moved since it was asked for."""
-        if verdict.text == self.text:
-            self.outcome.object = framed(markup("<div role=status>{}</div>", outcome(verdict)))
-            self.details.object = framed(details(verdict, tries))
-            self.other.label, self.after.visible = OTHER[self.name][1], True
-            self._draw(verdict.curves["best_s"])
+    def reveal(self, verdict: Verdict) -> None:
+        """Draw the best borders."""
+        self.other.label = OTHER[self.name][1]
+        self._draw(verdict.curves["best_s"])
 
     def _lay(self, name: str, seconds: Seconds) -> None:
         self.name, self.seconds = name, seconds
@@ -121,18 +301,11 @@ class ShareOut:
 
     def _change(self) -> None:
         self.after.visible = False
-        self._tell("")
+        self.tell("")
         self._draw()
 
     def _draw(self, best_s: Sequence[float] = ()) -> None:
         self.split.object, self.stage.object = self._split(best_s), self._stage()
-
-    def _tell(self, sentence: str) -> None:
-        self.outcome.object = framed(markup("<p role=status>{}</p>", sentence))
-
-    def _ask(self, _: Any) -> None:
-        self._tell(BUSY)
-        self._hear("done", self.text)
 
     def _turn(self, _: Any) -> None:
         self._lay(OTHER[self.name][0], equal(len(self.seconds)))
@@ -143,7 +316,7 @@ class ShareOut:
         lines = (
             markup('<i class=best style="left:{}%"></i>', f"{100 * s / SLACK_S:.1f}") for s in accumulate(best_s[:-1])
         )
-        return framed(markup("<div class=split>{}</div>", joined((*shares, *lines))))
+        return self.framed(markup("<div class=split>{}</div>", joined((*shares, *lines))))
 
     def _stage(self) -> Markup:
         """Return the saving of one more second on each leg, and the energy of the line."""
@@ -163,12 +336,9 @@ class ShareOut:
             for leg, seconds, price in zip(line["legs"], self.seconds, prices, strict=True)
         )
         kwh = total_kwh(line, self.seconds)
-        return framed(markup(STAGE, joined(legs), words.number(kwh, 3), words.signed(kwh - total_kwh(line, fair), 3)))
-
-
-def framed(html: Markup) -> Markup:
-    """Return HTML in the style of the lessons."""
-    return markup('<div class="played share-out">{}</div>', html)
+        return self.framed(
+            markup(STAGE, joined(legs), words.number(kwh, 3), words.signed(kwh - total_kwh(line, fair), 3))
+        )
 
 
 def title(leg: dict[str, Any]) -> str:

@@ -16,6 +16,7 @@ from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.papers.compute import AUTHORS
+from railjoule.dashboard.pages.papers.tables import typeset_plain
 
 STYLES = {
     "ftorek": ("accent", "circle"),
@@ -112,9 +113,10 @@ DIFFERENCES = Plot(
 
 def draw_panel(panel: Panel, place: str, palette: Palette) -> figure:
     """Return the figure of a panel of a printed figure."""
-    name = f"{place}: {panel.y_title} over {panel.x_title}"
+    x_title, y_title = typeset_plain(panel.x_title), typeset_plain(panel.y_title)
+    name = f"{place}: {y_title} over {x_title}"
     x_range, y_range = (DataRange1d(range_padding=0.08) for _ in "xy")
-    f = empty_figure(PANEL_HEIGHT_PX, x_range, y_range, name, palette, x_title=panel.x_title, y_title=panel.y_title)
+    f = empty_figure(PANEL_HEIGHT_PX, x_range, y_range, name, palette, x_title=x_title, y_title=y_title)
     looks = _looks(panel.lines)
     for line in panel.lines:
         token, dash = looks[line.label]
@@ -122,7 +124,7 @@ def draw_panel(panel: Panel, place: str, palette: Palette) -> figure:
         if line.is_printed:
             points = f.scatter(line.x, line.y, size=8, line_width=2, **more)
             palette.paint(points.glyph, line_color=token, fill_color="surface")
-            columns = (panel.x_title, "@x{0,0.00}"), (panel.y_title, "@y{0,0.00}")
+            columns = (x_title, "@x{0,0.00}"), (y_title, "@y{0,0.00}")
             f.add_tools(HoverTool(renderers=[points], tooltips=point_tip(*columns), visible=False))
         else:
             drawn = f.line(line.x, line.y, line_width=2, line_dash=dash, **more)
@@ -134,7 +136,8 @@ def draw_panel(panel: Panel, place: str, palette: Palette) -> figure:
 
 
 def _label(line: Line) -> str:
-    return f"{line.label}, printed" if line.is_printed and "printed" not in line.label else line.label
+    label = typeset_plain(line.label)
+    return f"{label}, printed" if line.is_printed and "printed" not in label else label
 
 
 def _looks(lines: Sequence[Line]) -> dict[str, tuple[str, str]]:

@@ -21,7 +21,14 @@ from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.page import Page, Request, shows, study
 from railjoule.dashboard.pages.papers.charts import DIFFERENCES, draw_panel
 from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
-from railjoule.dashboard.pages.papers.tables import finding, overview_html, paper_html, refuted_html, tables_csv
+from railjoule.dashboard.pages.papers.tables import (
+    finding,
+    overview_html,
+    paper_html,
+    reasons_html,
+    refuted_html,
+    tables_csv,
+)
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.tabs import PageTabs
 from railjoule.dashboard.state.kept import result
@@ -42,7 +49,9 @@ TABLE_CSS = """
 .claims td:nth-child(2), .claims td:nth-child(5), .refuted td:nth-child(3) { min-width: 220px; }
 .rows td:nth-child(2), .rows th:nth-child(2) { text-align: left; }
 .rows td:nth-child(1), .rows td:nth-child(2) { white-space: normal; min-width: 82px; }
-.refuted { margin-top: 18px; }
+.refuted, .reasons { margin-top: 18px; }
+.reasons td:nth-child(3) { min-width: 220px; }
+.reasons td:nth-child(2) { min-width: 60px; }
 @media (max-width: 599px) {
   .refuted thead { display: none; }
   .refuted tr { display: block; padding: 7px 0; border-top: 1px solid var(--rj-line); }
@@ -122,9 +131,10 @@ class Papers(Page):
     def _layout_overview(self) -> Viewable:
         shipped = shipped_tables()
         origin = parts.note_paragraphs([COMPUTED if shipped.is_current else COMPUTED_BEFORE, AGAIN])
-        pieces = overview_html(shipped.papers), refuted_html(shipped.papers), origin
-        text = parts.html_pane(joined(pieces), stylesheets=[parts_css(), TABLE_CSS, PAPER_CSS])
-        return parts.stack(text, parts.stack(self.host.plots["differences"].host, css=CHART_CSS))
+        pieces = (overview_html(shipped.papers), reasons_html(shipped.papers)), (refuted_html(shipped.papers), origin)
+        sheets = [parts_css(), TABLE_CSS, PAPER_CSS]
+        first, last = (parts.html_pane(joined(texts), stylesheets=sheets) for texts in pieces)
+        return parts.stack(first, parts.stack(self.host.plots["differences"].host, css=CHART_CSS), last)
 
     @shows("failure")
     def _show(self) -> None:
@@ -176,10 +186,10 @@ class PaperSection:
         tools = pn.FlexBox(self.button, self.download, margin=0)
         self.view = parts.stack(
             parts.html_pane(title, stylesheets=styles),
-            self.tables,
             tools,
             self.status,
             self.figures,
+            self.tables,
             css=PAPER_CSS,
         )
 

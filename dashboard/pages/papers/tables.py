@@ -25,6 +25,8 @@ COLUMNS = (
     "difference_points",
     "note",
 )
+FROM_NUMBER = re.compile(r"\d.*", re.DOTALL)
+MOST_REASONS = 6
 VERDICTS: dict[Verdict, tuple[str, str]] = {
     "supports": ("good", "supported"),
     "refutes": ("bad", "refuted"),
@@ -35,15 +37,22 @@ VERDICTS: dict[Verdict, tuple[str, str]] = {
 
 HYPHEN_MINUS = re.compile(r"(?<![\w.\-])-(?=\d)")
 SYMBOL = re.compile(r"\b([A-Za-z])_(\w+)")
+LOW_SYMBOL = re.compile(r"\b([A-Za-z])_([aehklmnopst]+)\b")
+LOWERED = str.maketrans("aehklmnopst", "\u2090\u2091\u2095\u2096\u2097\u2098\u2099\u2092\u209a\u209b\u209c")
+"""Letters that Unicode has as subscripts."""
 
 
 def typeset(text: str) -> Markup:
     """Return a text of a paper with a true minus, raised and lowered signs: 'T_m', 'm/s2' and '-5 %' are for files."""
-    plain = HYPHEN_MINUS.sub(words.MINUS, text).replace("m/s2", "m/s\u00b2")
-    pieces = SYMBOL.split(plain)
+    pieces = SYMBOL.split(HYPHEN_MINUS.sub(words.MINUS, text).replace("m/s2", "m/s\u00b2"))
     # a symbol, its index and what follows, after what stands before the first
     more = zip(pieces[1::3], pieces[2::3], pieces[3::3], strict=True)
     return markup("{}{}", pieces[0], joined(markup("{}<sub>{}</sub>{}", *three) for three in more))
+
+
+def typeset_plain(text: str) -> str:
+    """Return a text of a paper for a figure, which takes no HTML: 'T_m' with a subscript."""
+    return LOW_SYMBOL.sub(lambda found: found[1] + found[2].translate(LOWERED), text)
 
 
 def tables_csv(tables: tuple[Table, ...]) -> str:
@@ -151,6 +160,21 @@ def overview_html(papers: Mapping[str, Validation]) -> Markup:
     header = ("Paper", *(markup("{}{}", word, info(word)) for word in counts(())))
     table = parts.table("", header, rows, "Papers")
     return markup('<div class="wide-table" tabindex="0" role="region" aria-label="Papers">{}</div>', table)
+
+
+def reasons_html(papers: Mapping[str, Validation]) -> Markup:
+    """Return the most frequent reasons of differences; those that differ only from a number on are one reason."""
+    notes: dict[tuple[str, str], list[str]] = {}
+    for name, paper in papers.items():
+        for row in first_comparisons(paper.tables):
+            if not row.is_close:
+                notes.setdefault((AUTHORS[name], FROM_NUMBER.sub("", row.note)), []).append(row.note)
+    often = sorted(notes.items(), key=lambda item: -len(item[1]))[:MOST_REASONS]
+    rows = [
+        ((author, f"{len(found)}", typeset(Counter(found).most_common(1)[0][0])), False) for (author, _), found in often
+    ]
+    table = parts.table("Main reasons of the differences", ("Paper", "Numbers", "Reason, or one of its cases"), rows)
+    return markup('<div class="claims reasons"><div class="scroll" tabindex="0">{}</div></div>', table)
 
 
 def refuted_html(papers: Mapping[str, Validation]) -> Markup:

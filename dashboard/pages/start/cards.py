@@ -10,8 +10,7 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.tokens import variable
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.start.compute import Card
-from railjoule.dashboard.pages.start.groups import GOOD_FOR
+from railjoule.dashboard.pages.start.compute import GOOD_FOR, Card
 from railjoule.dashboard.work.runs import Runs
 
 WIDTH, HEIGHT = 1000.0, 240.0

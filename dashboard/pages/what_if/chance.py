@@ -4,15 +4,17 @@ from operator import methodcaller
 from typing import Any
 
 import numpy as np
+import panel as pn
 import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
 from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.studies.montecarlo import punctuality
+from railjoule.core.studies.montecarlo import monte_carlo_steps, punctuality
 from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY, Candidate, DrawnRuns, RobustPlan
 from railjoule.core.studies.table import StudyTable
+from railjoule.dashboard import day
 from railjoule.dashboard.charts.axis import nice_range, xy
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import CurveChart, Plot
@@ -21,13 +23,21 @@ from railjoule.dashboard.charts.run_lines import NAMES, Line, RunLines, RunPlot,
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.page import Page, Request, shows, study
-from railjoule.dashboard.pages.what_if.chance_charts import SCATTER, chance_table, finite, histogram
-from railjoule.dashboard.pages.what_if.compute import Conditions, RobustAnswer, compute_chance, compute_robust
-from railjoule.dashboard.pages.what_if.conditions import CHANCE, FOLLOWING, NOTHING_WRONG, PREVIEW_RUNS, conditions
-from railjoule.dashboard.pages.what_if.draws import draws_table
+from railjoule.dashboard.pages.what_if.chance_charts import SCATTER, chance_table, draws_table, finite, histogram
+from railjoule.dashboard.pages.what_if.compute import RobustAnswer, robust_steps, steps
 from railjoule.dashboard.pages.what_if.heat_map import percent_difference
-from railjoule.dashboard.pages.what_if.load import LAYOUT_CSS
+from railjoule.dashboard.pages.what_if.load import (
+    CHANCE,
+    FOLLOWING,
+    LAYOUT_CSS,
+    NOTHING_WRONG,
+    PREVIEW_RUNS,
+    conditions,
+    section,
+)
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import button
+from railjoule.dashboard.parts.number_field import number_fields
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, keyed
 
@@ -48,9 +58,9 @@ def draw_plans(chart: RunLines, found: RobustPlan) -> None:
     chart.axis.fit(max(float(run.position_m[-1]) for run in runs.values()), roomy=False)
     lines = chart.fill(runs)
     chart.set_range(0, HEADROOM * data_range(lines.values())[1])
+    tokens = chart.palette.tokens
     places = {"nominal": 0.25, "robust": 0.7}
-    names = [Name(name, name, chart.palette.tokens[LINES[name].token], preferred=places[name]) for name in runs]
-    chart.place_names(lines, names)
+    chart.place_names(lines, [Name(name, name, tokens[LINES[name].token], preferred=places[name]) for name in runs])
 
 
 def draw_candidates(chart: CurveChart, found: RobustPlan) -> None:
@@ -62,16 +72,17 @@ def draw_candidates(chart: CurveChart, found: RobustPlan) -> None:
     chart.put("intervals", x=intervals[:, 0].tolist(), y=energy.tolist(), x1=intervals[:, 1].tolist())
     chart.put("points", **xy(share, energy))
     chart.put("asked", x=[100 * found.probability])
-    least, most = nice_range(float(np.nanmin(energy)), float(np.nanmax(energy)), 0.12)
-    chart.set_ranges((float(min(intervals.min(), 100 * found.probability)) - 2.0, 102.0), (least, most))
-    marks = {"nominal": found.nominal, "robust": found.chosen}
-    tokens, names, lines = chart.palette.tokens, [], {}
-    for name, one in marks.items():
-        at = [] if one is None else [(100 * one.drawn.share_on_time, one.drawn.expected_kwh)]
-        chart.put(name, x=[x for x, _ in at], y=[y for _, y in at])
-        if at:
-            names.append(Name(name, name, tokens[LINES[name].token], point=at[0]))
-            lines[name] = (np.array([at[0][0]]), np.array([at[0][1]]))
+    chart.set_ranges(
+        (float(min(intervals.min(), 100 * found.probability)) - 2.0, 102.0),
+        nice_range(float(np.nanmin(energy)), float(np.nanmax(energy)), 0.12),
+    )
+    names, lines = [], {}
+    for name, one in {"nominal": found.nominal, "robust": found.chosen}.items():
+        x, y = ([], []) if one is None else ([100 * one.drawn.share_on_time], [one.drawn.expected_kwh])
+        chart.put(name, x=x, y=y)
+        if one is not None:
+            names.append(Name(name, name, chart.palette.tokens[LINES[name].token], point=(x[0], y[0])))
+            lines[name] = np.array(x), np.array(y)
     chart.place_names(lines, names)
 
 
@@ -185,7 +196,7 @@ class ChanceTab(Page):
 
     chance = result(StudyTable, "Random runs so far.")
     drawing = param.Boolean(default=False, doc="Whether more are being computed.")
-    more_of = result(Conditions, "The conditions of which all runs were asked for.")
+    more_of = result(tuple, "The conditions of which all runs were asked for.")
     robust = result(RobustAnswer, "The robust plan, or the search for it so far.")
     searching = param.Boolean(default=False, doc="Whether it is being searched.")
     find_robust = param.Event(doc="Search the robust plan.")
@@ -207,7 +218,7 @@ class ChanceTab(Page):
         """Search the robust plan."""
         self.param.trigger("find_robust")
 
-    def _draws(self, runs: int, **more: Any) -> Conditions:
+    def _draws(self, runs: int, **more: Any) -> tuple[Any, ...]:
         return conditions(self.desk, {**self.desk.day.chance_changes(runs), **NOTHING_WRONG, **more})
 
     @study(
@@ -215,7 +226,7 @@ class ChanceTab(Page):
     )
     def _chance(self) -> Request:
         preview = self._draws(PREVIEW_RUNS)
-        return compute_chance, self._draws(FULL_RUNS) if preview == self.more_of else preview
+        return steps, *(self._draws(FULL_RUNS) if preview == self.more_of else preview), monte_carlo_steps
 
     @study(
         *("scenario", "desk.chosen", *FOLLOWING, *CHANCE, *ROBUST_FIELDS),
@@ -225,9 +236,8 @@ class ChanceTab(Page):
         tab=DRAWS,
     )
     def _robust(self) -> Request:
-        accepted = {"disturbance.accepted_delay_s": float(self.accepted_lateness_s)}
-        draws = self._draws(ROBUST_RUNS, **accepted)
-        return compute_robust, draws, self.probability_percent / 100, self.candidates
+        draws = self._draws(ROBUST_RUNS, **{"disturbance.accepted_delay_s": float(self.accepted_lateness_s)})
+        return steps, *draws, robust_steps, self.probability_percent / 100, self.candidates
 
     # ---- what it shows
 
@@ -235,9 +245,6 @@ class ChanceTab(Page):
         """Return the parts of the tab, laid out."""
         plots = self.host.plots
         self.quantiles, self.quantile_table, self.robust_words = (parts.html_pane() for _ in range(3))
-        self.explore_button = pmui.Button(
-            label="Explore the draws", variant="outlined", size="small", margin=(4, 20, 16, 20), on_click=self.explore
-        )
         upper = parts.stack(
             parts.stack(plots["more"].host, plots["scatter"].host),
             parts.stack(plots["late"].host, self.quantile_table),
@@ -245,7 +252,30 @@ class ChanceTab(Page):
         )
         charts = parts.stack(*(plots[plot.name].host for plot in ROBUST), css=LAYOUT_CSS)
         self.robust_part = parts.stack(charts, self.robust_words, visible=False)
-        return parts.stack(self.quantiles, upper, self.explore_button, self.robust_part)
+        explore = button("Explore the draws", self.explore, margin=(4, 20, 16, 20))
+        return parts.stack(self.quantiles, upper, explore, self.robust_part)
+
+    def layout_chance_fields(self) -> Viewable:
+        """Return its part of the sidebar."""
+        self.more_progress = Progress(self, f"Run {words.number(FULL_RUNS, 0)}", "Stop", self.draw_all, "drawing")
+        self.search = Progress(self, "Find the robust plan", "Cancel", self.search_robust, "searching")
+        self.param.watch(self._show_progress, ["chance", "drawing", "robust", "searching"])
+        self._show_progress()
+        return parts.stack(
+            section("Monte Carlo", "normal, resistance log-normal"),
+            *number_fields(self.desk.day, *day.CHANCE),
+            self.more_progress.view,
+            section("Robust plan", "on time under these draws"),
+            *number_fields(self, *ROBUST_FIELDS),
+            self.search.view,
+        )
+
+    def _show_progress(self, *_: Any) -> None:
+        chance, robust = self.chance, self.robust
+        self.more_progress.show(0.0 if chance is None else chance.done / chance.scenario.montecarlo.runs)
+        # the check of the chosen plan comes last
+        tried = 0 if robust is None else len(robust.found.candidates) + robust.found.refused
+        self.search.show(0.0 if robust is None else tried / (robust.found.asked + 2))
 
     def explore(self, *_: Any) -> None:
         """Show the draws so far on the page of tables of runs."""
@@ -275,7 +305,42 @@ class ChanceTab(Page):
             self.robust_words.object = robust_text(self.robust)
 
 
+class Progress:
+    """Buttons that begin and stop a study of a page, and its progress; `busy` is whether it is under way."""
+
+    def __init__(self, page: Page, label: str, stop_label: str, begin: Any, busy: str) -> None:
+        self.page, self.busy = page, busy
+        small: dict[str, Any] = {"variant": "text", "margin": (8, 8), "visible": False}
+        self.stop = button(stop_label, lambda _: page.param.update(**{busy: False}), **small)
+        self.bar = pmui.LinearProgress(
+            value=0, variant="determinate", margin=(0, 16, 4, 16), sizing_mode="stretch_width", visible=False
+        )
+        row = pn.Row(button(label, begin, margin=(8, 8, 8, 16)), self.stop, margin=0, sizing_mode="stretch_width")
+        self.view = parts.stack(row, self.bar)
+
+    def show(self, share: float) -> None:
+        """Show whether the study is under way, and the share of it that is done."""
+        self.bar.visible = self.stop.visible = getattr(self.page, self.busy)
+        if self.bar.visible:
+            self.bar.value = int(100 * share)
+
+
 # ---- texts
+
+
+def finding(chance: StudyTable, accepted_s: float, robust: RobustAnswer | None) -> parts.Markup:
+    """Return in a sentence how often the plan is on time, and what is to be done for it."""
+    more, delays = finite(chance.over_replanned), finite(chance.delay_s)
+    if not len(more):
+        return parts.Markup()
+    share = words.share(float((delays < accepted_s + comparisons.OTHER_TIME_S).sum()) / chance.done)
+    late = f" or at most {words.number(accepted_s)} s late" if accepted_s else ""
+    most = float(np.quantile(more, 0.95))
+    needs = f"; 19 of 20 need at most {words.share(most)} % more energy than a plan for their load" if most >= 0 else ""
+    drawn = f"The plan is on time{late} in {share} % of {words.number(chance.done, 0)} random runs{needs}."
+    if robust is not None and robust.found.chosen is not None and robust.found.checked is not None:
+        return parts.finding(drawn, *robust_notes(robust.found)[:1])
+    return parts.finding(drawn, "\u201cFind the robust plan\u201d searches one that is on time more often.")
 
 
 def chance_figures(chance: StudyTable, accepted_s: float) -> list[str]:

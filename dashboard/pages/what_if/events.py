@@ -1,10 +1,9 @@
 """The tab "Events": unplanned stops and limits, with and without replanning, and a run that plays."""
 
-from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
@@ -12,27 +11,33 @@ from railjoule.core import Scenario, Trajectory
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.live import events_to_keep
 from railjoule.dashboard.charts.driven import reality_words
-from railjoule.dashboard.day import event_model
+from railjoule.dashboard.day import KIND_WORDS, EventModel, event_model
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.page import Page, Request, shows, study, work
-from railjoule.dashboard.pages.what_if.compute import (
-    Conditions,
-    LateArrivals,
-    Rides,
-    compute_late_arrivals,
-    compute_rides,
+from railjoule.dashboard.pages.what_if.compute import Late, Rides, compute_late_arrivals, compute_rides
+from railjoule.dashboard.pages.what_if.live import Live
+from railjoule.dashboard.pages.what_if.live_view import BODY_CSS, LivePart, ride_row
+from railjoule.dashboard.pages.what_if.load import (
+    EVENTS,
+    FOLLOWING,
+    LOAD_AND_POSITION,
+    conditions,
+    is_slow_plan,
+    section,
 )
-from railjoule.dashboard.pages.what_if.conditions import EVENTS, FOLLOWING, LOAD_AND_POSITION, conditions
-from railjoule.dashboard.pages.what_if.live import LiveModel
-from railjoule.dashboard.pages.what_if.live_view import LivePart
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS, late_curves, late_ends, saved_by
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.choices import buttons, over_time_buttons
+from railjoule.dashboard.parts.choices import button, buttons, over_time_buttons, remove_button
+from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.kept import result
-from railjoule.dashboard.work.runs import is_slow
 
-BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")
+FIELDS = {
+    "stop": {"position_m": "at, m", "duration_s": "stops for, s"},
+    "limit": {"position_m": "from, m", "to_m": "to, m", "limit_kmh": "km/h"},
+    "voltage": {"share_percent": "of nominal, %"},
+    "recuperation": {"share_percent": "recuperated, %"},
+}
+"""The fields of each kind of event, with their labels."""
 LOWER_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); } }
@@ -59,11 +64,11 @@ class EventsTab(Page):
     )
 
     rides = result(Rides, "The last good runs.")
-    late = result(LateArrivals, "Energy over delay so far.")
+    late = result(dict, "Energy over delay so far.")
 
     def __init__(self, desk: Any, **params: Any) -> None:
         super().__init__(desk, **params)
-        self.live = LiveModel()
+        self.live = Live(self)
         """The run that plays."""
         self._adopting = False
         # registered before what computes, as the request depends on `as_driver`
@@ -104,30 +109,27 @@ class EventsTab(Page):
             self.desk.day.accepted_delay_s = self.rides.accepted_s
             self._adopting = False
 
-    def _events(self) -> Conditions:
-        asked = conditions(self.desk, self.desk.day.event_changes)
+    def _events(self, as_driver: bool) -> tuple[Any, ...]:
+        changes = self.desk.day.event_changes
         # what the driver reaches follows from the rest
-        changes = {**asked.changes, "disturbance.accepted_delay_s": 0.0} if self.as_driver else asked.changes
-        return replace(asked, changes=changes)
+        return conditions(self.desk, {**changes, "disturbance.accepted_delay_s": 0.0} if as_driver else changes)
 
     @work(
         *("scenario", "desk.chosen", *EVENTS, *LOAD_AND_POSITION, *FOLLOWING),
         into="rides",
         marked=True,
-        is_slow=lambda asked, _: is_slow(asked.scenario, asked.scenario.strategy),
+        is_slow=is_slow_plan,
         only_last=False,
         tab=RIDES,
     )
     def _rides(self) -> Request:
-        return compute_rides, self._events(), self.as_driver
+        return compute_rides, *self._events(self.as_driver), self.as_driver
 
+    # the curve of all accepted delays
     @study("rides", into="late", tab=RIDES)
     def _late(self) -> Request:
-        if self.rides is None or not self.desk.day.events:
-            return None
-        # the curve of all accepted delays
-        asked = self.rides.conditions
-        return compute_late_arrivals, replace(asked, changes={**asked.changes, "disturbance.accepted_delay_s": 0.0})
+        known = self.rides is not None and self.desk.day.events
+        return (compute_late_arrivals, *self._events(as_driver=True)) if known else None
 
     # ---- what it shows
 
@@ -136,36 +138,63 @@ class EventsTab(Page):
         day, plots = self.desk.day, self.host.plots
         self.arrivals, self.reactions, self.remarks = (parts.html_pane() for _ in range(3))
         plots["ride_speed"].press = lambda place_m: self.drop(self.dropping, place_m)
-        drops = {"Click adds a stop": "stop", "Click adds a limit": "limit"}
-        add = pmui.Button(
-            label="Add a stop",
-            variant="outlined",
-            size="small",
-            margin=(8, 0, 0, 12),
-            height=28,
-            on_click=lambda _: self.drop("stop", day.free_m()),
-        )
         self.invitation = parts.html_pane(
             parts.markup('<p role="status" style="padding:10px 20px 0;font-size:13.5px">{}</p>', NO_EVENT),
             visible=False,
         )
+        drops = {"Click adds a stop": "stop", "Click adds a limit": "limit"}
         tools = pn.Row(
             buttons(self, "dropping", drops, margin=(8, 8, 0, 20)),
-            add,
+            button("Add a stop", lambda _: self.drop("stop", day.free_m()), margin=(8, 0, 0, 12), height=28),
             pn.Spacer(sizing_mode="stretch_width"),
             over_time_buttons(self.desk, margin=(8, 20, 0, 20)),
             margin=0,
             sizing_mode="stretch_width",
             stylesheets=[parts.WRAP_CSS],
         )
-        modes = {"Events before the start": False, "Events while the train drives": True}
         self.reacting = parts.stack(self.reactions, self.remarks)
         lower = parts.stack(self.reacting, plots["late_arrival"].host, css=LOWER_CSS)
         body = parts.stack(plots["ride_speed"].host, plots["ride_energy"].host, lower, css=BODY_CSS)
         self.before = parts.stack(self.invitation, self.arrivals, tools, body)
         self.playing = LivePart(self.live, self.host, self.keep_events)
-        mode = buttons(self.live, "on", modes, margin=(8, 8, 4, 20))
-        return parts.stack(mode, self.before, self.playing.view)
+        modes = {"Events before the start": False, "Events while the train drives": True}
+        return parts.stack(buttons(self.live, "on", modes, margin=(8, 8, 4, 20)), self.before, self.playing.view)
+
+    def layout_event_fields(self) -> Viewable:
+        """Return its part of the sidebar."""
+        day = self.desk.day
+        self.list = parts.stack()
+        small: dict[str, Any] = {"variant": "text", "margin": (0, 2)}
+        adders = [
+            button(f"+ {word.lower()}", partial(self._drop_in_middle, kind), **small)
+            for kind, word in KIND_WORDS.items()
+        ]
+        day.param.watch(self._list_events, "events")
+        self._list_events()
+        return parts.stack(
+            section("Events", "click the speed chart to add one"),
+            self.list,
+            pn.FlexBox(*adders, margin=(4, 8)),
+            NumberField(day, "accepted_delay_s"),
+        )
+
+    def _drop_in_middle(self, kind: str, *_: Any) -> None:
+        self.drop(kind, self.desk.scenario.base.line.length_m / 2)
+
+    def _list_events(self, *_: Any) -> None:
+        self.list[:] = [self._event_fields(number, event) for number, event in enumerate(self.desk.day.events, 1)]
+
+    def _event_fields(self, number: int, event: EventModel) -> Viewable:
+        name = f"{number} {KIND_WORDS[event.kind]}"
+        labels = {**FIELDS[event.kind], "noticed_at_m": "noticed at, m"}
+        head = pn.Row(
+            parts.html_pane(parts.markup('<div class="row"><b>{}</b></div>', name), align="center"),
+            remove_button(name, lambda _: self.desk.day.remove(event)),
+            margin=(4, 8, 0, 0),
+            sizing_mode="stretch_width",
+        )
+        fields = (NumberField(event, field, label=label, of=f"{name}: ") for field, label in labels.items())
+        return parts.stack(head, *fields)
 
     @shows("live.on", tab=RIDES)
     def _show_mode(self) -> None:
@@ -257,45 +286,48 @@ def driver_figure(driver: DisturbedRun, planned_kwh: float) -> str:
     return parts.figure("Extra energy, driver" if spent == "costs" else "Energy saved, driver", *more, detail, "main")
 
 
-def beside_driver(ride: DisturbedRun, driver: DisturbedRun, what: str) -> str:
-    """Return the share of the driver's energy that a reaction saves; kWh if it is later or misses the stop."""
+def saved_beside(ride: DisturbedRun, driver: DisturbedRun) -> tuple[str, comparisons.Amount]:
+    """Return whether a reaction saves some of the driver's energy, and how much; kWh if it is later or off the stop."""
     own, by_driver = ride.actual.energy_kwh, driver.actual.energy_kwh
-    later_s, energy = ride.delay_s - driver.delay_s, f"{words.energy(by_driver)} kWh"
     verb, saved = comparisons.saving(own, by_driver)
-    label, unit, than = f"{what} {verb}", saved.unit, "of"
     if verb == "costs":
-        unit, than = f"{saved.unit} more", "more than"
-    elif comparisons.is_false_saving(own, by_driver, later_s, ride.stop_error_m):
-        saved = comparisons.Amount(words.energy(by_driver - own), "kWh")
-        label, unit, than = f"{what} needs", "kWh less", "less than"
-    whole = f"{saved} {than} the driver\u2019s {energy}"
-    detail = f"{words.energy(own)} kWh, arrives {comparisons.arrival(later_s)}"
-    return parts.figure(
-        label,
-        saved.value,
-        unit,
-        detail,
-        whole=whole,
-        term="Replanning" if what == "Replanning" else "With advance notice",
-    )
+        return verb, comparisons.Amount(saved.value, f"{saved.unit} more")
+    if comparisons.is_false_saving(own, by_driver, ride.delay_s - driver.delay_s, ride.stop_error_m):
+        return "needs", comparisons.Amount(words.energy(by_driver - own), "kWh less")
+    return verb, saved
 
 
-def reaction_table(rides: Rides, late: LateArrivals | None) -> str:
+def beside_driver(ride: DisturbedRun, driver: DisturbedRun, what: str) -> str:
+    """Return the share of the driver's energy that a reaction saves, as a number with its arrival."""
+    verb, saved = saved_beside(ride, driver)
+    than = "of" if verb == "saves" else "than"
+    whole = f"{saved} {than} the driver\u2019s {words.energy(driver.actual.energy_kwh)} kWh"
+    detail = f"{words.energy(ride.actual.energy_kwh)} kWh, arrives {comparisons.arrival(ride.delay_s - driver.delay_s)}"
+    term = "Replanning" if what == "Replanning" else "With advance notice"
+    return parts.figure(f"{what} {verb}", *saved, detail, whole=whole, term=term)
+
+
+def finding(rides: Rides, events: int) -> parts.Markup:
+    """Return in a sentence what the events cost the driver, and what a better reaction would save."""
+    driver, computer, known = (rides.rides[one] for one in words.REACTION_WORDS)
+    missed = " and ".join(map(str, comparisons.misses(driver.delay_s, driver.stop_error_m))) or "on time"
+    energy, planned = words.energy(driver.actual.energy_kwh), words.energy(rides.undisturbed.energy_kwh)
+    count = "1 event" if events == 1 else f"{events} events"
+    better = {"Replanning on the way": computer, "advance notice": known}
+    saves = [" ".join(map(str, (name, *saved_beside(ride, driver)))) for name, ride in better.items()]
+    cost = f"With {count} the driver arrives {missed} and needs {energy} kWh instead of {planned}."
+    return parts.finding(cost, f"{', '.join(saves)}.".replace(" %", "\u00a0%"))
+
+
+def reaction_table(rides: Rides, late: Late | None) -> str:
     """Return energies and arrivals of all runs, and the energy that the first seconds of delay save."""
-    planned = rides.undisturbed
-    nothing = comparisons.NOTHING.cell, words.delay(0.0)
-    first = ("Undisturbed", words.energy(planned.energy_kwh), *nothing, words.number(planned.max_speed_kmh), "\u2013")
-    rows: list[tuple[tuple[str, ...], bool]] = [(first, False)]
+    planned, nothing = rides.undisturbed, words.UNKNOWN
+    top = words.number(planned.max_speed_kmh)
+    rows: list[tuple[tuple[str, ...], bool]] = [((*ride_row("Undisturbed", planned, None), top, nothing), False)]
     for reaction, name in words.REACTION_WORDS.items():
         ride = rides.rides[reaction]
-        cells = (
-            name,
-            words.energy(ride.actual.energy_kwh),
-            comparisons.extra(ride.actual.energy_kwh, planned.energy_kwh, ride.delay_s, ride.stop_error_m).cell,
-            words.delay(ride.delay_s),
-            words.number(ride.actual.max_speed_kmh),
-            saved_by(late, reaction) if late is not None and reaction in late.energy_kwh else "\u2013",
-        )
+        saved = saved_by(late, reaction) if late is not None and reaction in late else nothing
+        cells = (*ride_row(name, planned, ride), words.number(ride.actual.max_speed_kmh), saved)
         rows.append((cells, reaction == "computer"))
     header = ("Run", "kWh", "more, %", "late, s", "top, km/h", "saved per extra second, Wh")
     return parts.inset(parts.table("Runs by reaction", header, rows))

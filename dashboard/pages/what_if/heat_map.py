@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import panel as pn
 from bokeh.core.properties import value
 from bokeh.events import Tap
-from bokeh.models import FixedTicker, Range1d
+from bokeh.models import FixedTicker
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import load_scenario
@@ -16,8 +15,8 @@ from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_F
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.validation.liashenko_runs import PAPER, rms
 from railjoule.core.validation.table import CLOSE_PERCENT
-from railjoule.dashboard.charts.chart import Chart
-from railjoule.dashboard.charts.dress import empty_figure, ink_on, text_style
+from railjoule.dashboard.charts.dress import ink_on, text_style
+from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.surface import NARROW_PX
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
@@ -103,31 +102,24 @@ def cell_colour(number: float, most: float, palette: Palette) -> str:
     return scale[round(share * (len(scale) - 1))]
 
 
-class HeatMapChart(Chart):
+class HeatMapChart(LoneChart):
     """Loads upwards, errors to the right, one number a cell; a click selects the cell."""
 
     kind = "map"
-    title = "table of loads and position errors"
+    title = "Table of loads and position errors"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("heatmap", "", height)
-        self.palette = palette
+        super().__init__("heatmap", "", height, palette)
         self.choose: Callable[[float, float], None] = lambda *_: None
         """Called with the load and the position error of a pressed cell."""
         self._table: StudyTable | None = None
-        self._drawn: tuple[object, ...] = ()
 
     def build(self) -> None:
         """Make the figure."""
+        f = self.frame(x_title="Position error, m (+: the train assumes it is farther on)", y_title="Load, %")
+        f.ygrid.visible, f.axis.axis_line_color = False, None
         # cells reach CELL / 2 = 0.48 to each side of whole numbers; 0.04 are left beyond the outermost
-        ranges = Range1d(-0.52, len(COORDINATE_ERRORS_M) - 0.48), Range1d(-0.52, len(LOAD_FACTORS) - 0.48)
-        f = empty_figure(self.height, *ranges, "Table of loads and position errors", self.palette)
-        self.figure = f
-        f.ygrid.visible = False
-        titles = "Position error, m (+: the train assumes it is farther on)", "Load, %"
-        for axis, title in zip((f.xaxis, f.yaxis), titles, strict=True):
-            axis.axis_line_color = None
-            axis.axis_label = title
+        self.set_ranges((-0.52, len(COORDINATE_ERRORS_M) - 0.48), (-0.52, len(LOAD_FACTORS) - 0.48))
         self.source("cells", "x", "y", "fill", "text", "ink")
         self.source("plan", "x", "y", "ink")
         cell = ("x", "y", CELL, CELL)
@@ -137,8 +129,6 @@ class HeatMapChart(Chart):
         self.glyphs("text", "plan", "x", "y", value("plan"), paint={}, y_offset=16, **style, **text_style(11))
         self.glyphs("rect", "frame", *cell, paint={"line_color": "accent"}, fill_color=None, line_width=2.5)
         f.on_event(Tap, self._press)
-        self._drawn = ()
-        self.content = pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
 
     def _press(self, event: Any) -> None:
         table = self._table
@@ -150,44 +140,37 @@ class HeatMapChart(Chart):
 
     def draw(self, table: StudyTable, measure: Measure, load_factor: float, error_m: float) -> None:
         """Draw the table so far, and the frame around a load and an error."""
-        loads, errors = table.load_factor, table.coordinate_error_m
+        f, self._table = self.figure, table
+        assert f is not None
         self.numbers.text_font_size = value("10px" if self.width_px < NARROW_PX else "13px")
-        state = (table, measure, self.palette.costs)
-        if state != self._drawn:
-            self._table, self._drawn = table, state
-            self._draw_cells(table, measure)
-        # what lies beyond the table has no place in it
+        loads, errors, values = table.load_factor, table.coordinate_error_m, measure.drawn(table)
+        most = float(np.nanmax(np.abs(values))) if np.any(np.isfinite(values)) else 0.0
+        done = np.arange(values.size) < table.done
+        y, x = (index.ravel() for index in np.indices(values.shape))
+        fills = [
+            cell_colour(number, most, self.palette) if known else self.palette.tokens["page"]
+            for number, known in zip(values.ravel(), done, strict=True)
+        ]
+        texts = [text if known else "" for text, known in zip(measure.texts(table), done, strict=True)]
+        self.put("cells", x=x.tolist(), y=y.tolist(), fill=fills, text=texts, ink=[ink_on(fill) for fill in fills])
+        set_labels(f.xaxis[0], [words.signed(error, 0) for error in errors])
+        set_labels(f.yaxis[0], [words.setting(load) for load in loads])
+        # a place beyond the table has none in it
         row, column = (
             float(np.interp(value, places, np.arange(len(places)), left=np.nan, right=np.nan))
             for value, places in ((load_factor, loads), (error_m, errors))
         )
         self.put("frame", x=[column], y=[row])
+        planned = [loads.index(load) for load in {table.scenario.vehicle.load_factor} & {*loads} if 0.0 in errors]
+        plan = [(errors.index(0.0), row, ink_on(fills[row * len(errors) + errors.index(0.0)])) for row in planned]
+        self.put("plan", **{name: [one[k] for one in plan] for k, name in enumerate(("x", "y", "ink"))})
 
-    def _draw_cells(self, table: StudyTable, measure: Measure) -> None:
-        assert self.figure is not None
-        loads, errors, values = table.load_factor, table.coordinate_error_m, measure.drawn(table)
-        most = float(np.nanmax(np.abs(values))) if np.any(np.isfinite(values)) else 0.0
-        done = np.arange(values.size).reshape(values.shape) < table.done
-        y, x = (index.ravel() for index in np.indices(values.shape))
-        fills = [
-            cell_colour(number, most, self.palette) if known else self.palette.tokens["page"]
-            for number, known in zip(values.ravel(), done.ravel(), strict=True)
-        ]
-        texts = [text if known else "" for text, known in zip(measure.texts(table), done.ravel(), strict=True)]
-        self.put("cells", x=x.tolist(), y=y.tolist(), fill=fills, text=texts, ink=[ink_on(fill) for fill in fills])
-        self._label(self.figure.xaxis[0], [words.signed(error, 0) for error in errors])
-        self._label(self.figure.yaxis[0], [words.setting(load) for load in loads])
-        planned = table.scenario.vehicle.load_factor
-        if planned in loads and 0.0 in errors:
-            row, column = loads.index(planned), errors.index(0.0)
-            self.put("plan", x=[column], y=[row], ink=[ink_on(fills[row * len(errors) + column])])
-        else:
-            self.put("plan", x=[], y=[], ink=[])
 
-    def _label(self, axis: Any, labels: list[str]) -> None:
-        places = dict(enumerate(labels))
-        if axis.major_label_overrides != places:
-            axis.update(ticker=FixedTicker(ticks=list(places)), major_label_overrides=places)
+def set_labels(axis: Any, labels: list[str]) -> None:
+    """Write labels at the whole numbers of an axis."""
+    places = dict(enumerate(labels))
+    if axis.major_label_overrides != places:
+        axis.update(ticker=FixedTicker(ticks=list(places)), major_label_overrides=places)
 
 
 def printed_table(table: StudyTable, measure: Measure) -> str:

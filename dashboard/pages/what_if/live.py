@@ -1,4 +1,4 @@
-"""The run that plays: its fields, its clock, and its plans, one step at a time in the page's turn or in a thread."""
+"""The run that plays: its events, its clock, and its plans, one step at a time in the page's turn or in a thread."""
 
 import time
 from collections.abc import Callable
@@ -10,7 +10,6 @@ import panel as pn
 import param
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.scenario.disturbance import UnplannedLimit, UnplannedStop, VoltageChange
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.live import (
     LiveRun,
@@ -22,17 +21,25 @@ from railjoule.core.simulation.live import (
     start_run,
     wait_longer,
 )
-from railjoule.dashboard.day import FIRST_STOP_S
+from railjoule.dashboard.day import EVENTS, FIRST_STOP_S, EventModel
 from railjoule.dashboard.state.kept import result
-from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds
+from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.work.runs import is_slow, named_refusals
 
 if TYPE_CHECKING:
     from railjoule.dashboard.page_work import PageWorks
 
+TICK_MS = 100
+"""The clock is read this often."""
+LONGEST_TICK_S = 0.5
+"""A clock that was not read for longer stood still: the server was busy."""
 PACES = (1.0, 5.0, 20.0)
 """How many times faster than in reality a run plays."""
+
+
+Step = Callable[[LiveRun], LiveRun]
+"""Replaces a run by one with another plan."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,103 +50,16 @@ class LiveResult:
     known: DisturbedRun
 
 
-class LiveModel(TypedParameters):
-    """The run that plays, and the fields of the next event."""
-
-    passing = (
-        "on",
-        "playing",
-        "pace",
-        "signal_m",
-        "signal_s",
-        "is_open",
-        "from_m",
-        "to_m",
-        "limit_kmh",
-        "voltage_percent",
-        "replan_s",
-        "step",
-    )
-
-    on = param.Boolean(default=False, doc="Whether the page plays a run.")
-    playing = param.Boolean(default=False, doc="Whether its clock runs.")
-    pace = param.Selector(default=5.0, objects=list(PACES), doc="How many times faster than in reality.")
-    signal_m = TypedNumber("Signal at, m", "m", default=500.0, **core_bounds(UnplannedStop, "position_m"))
-    signal_s = TypedNumber("red for, s", "s", default=FIRST_STOP_S, **core_bounds(UnplannedStop, "duration_s"))
-    is_open = param.Boolean(default=False, doc="Whether the signal stays red until it is cleared.")
-    from_m = TypedNumber("Limit from, m", "m", default=600.0, **core_bounds(UnplannedLimit, "from_m"))
-    to_m = TypedNumber("to, m", "m", default=700.0, **core_bounds(UnplannedLimit, "to_m"))
-    limit_kmh = TypedNumber("km/h", "km/h", default=30.0, **core_bounds(UnplannedLimit, "limit_kmh"))
-    voltage_percent = TypedNumber(
-        "Voltage, %", "%", default=80.0, **core_bounds(VoltageChange, "line_voltage_factor", 100)
-    )
-
-    failure = result(RailjouleError, "Why the last request failed.")
-    run = result(LiveRun, "The run as it is now.")
-    planned = param.Event(doc="The run has another plan, or is another one.")
-    replan_s = param.Number(default=0.0, doc="How long its plan ahead took [s].")
-    step = param.Callable(default=None, allow_None=True, doc="Replaces the run by one with another plan.")
-    restart = param.Event(doc="The train begins at the start again.")
-    ended = result(LiveResult, "The run that has arrived, beside others.")
-
-    def set_signal(self, *_: Any) -> None:
-        """Set the red signal of the fields."""
-        signal = UnplannedStop(position_m=self.signal_m, duration_s=self.signal_s)
-        self.step = partial(set_event, event=signal, is_open=self.is_open)
-
-    def clear_signal(self, *_: Any) -> None:
-        """Clear the red signal that the train meets first."""
-        # another function each time, as the same value would be no change
-        self.step = partial(clear_first)
-
-    def set_limit(self, *_: Any) -> None:
-        """Set the lower limit of the fields."""
-        if self.from_m >= self.to_m:
-            begins, ends = f"{self.from_m:g} m", f"{self.to_m:g} m"
-            self.failure = ScenarioError(f"Limit to {ends}: it begins at {begins}. Choose an end beyond that.")
-            return
-        limit = UnplannedLimit(from_m=self.from_m, to_m=self.to_m, limit_kmh=self.limit_kmh)
-        self.step = partial(set_event, event=limit)
-
-    def set_voltage(self, *_: Any) -> None:
-        """Set the supply voltage of the field."""
-        self.step = partial(set_event, event=VoltageChange(line_voltage_factor=self.voltage_percent / 100))
-
-    def take(self, scenario: Scenario) -> None:
-        """Choose places on a scenario's line."""
-        length = scenario.line.length_m
-        places: dict[str, Any] = {"signal_m": 0.5, "from_m": 0.6, "to_m": 0.7}
-        self.param.update(**{name: round(share * length) for name, share in places.items()})
-
-
 def clear_first(run: LiveRun) -> LiveRun:
     """Return a run whose next red signal is clear; the same run where none is red."""
     red = [one for one in run.events if one.is_ahead and not run.has_left(one)]
     return clear_signal(run, min(red, key=run.stand_node)) if red else run
 
 
-# ---- the clock
-
-TICK_MS = 100
-"""The clock is read this often."""
-LONGEST_TICK_S = 0.5
-"""A clock that was not read for longer stood still: the server was busy."""
-
-Step = Callable[[LiveRun], LiveRun]
-"""Replaces a run by one with another plan."""
-
-
-@dataclass(frozen=True, eq=False)
-class StepRequest:
-    """A step, and the run that it is for."""
-
-    step: Step
-    run: LiveRun
-
-
-def take_step(request: StepRequest) -> LiveRun:
+def take_step(request: tuple[Step, LiveRun]) -> LiveRun:
     """Return the run after a step; errors as the step."""
-    return request.step(request.run)
+    step, run = request
+    return step(run)
 
 
 def begin_run(scenario: Scenario) -> LiveRun:
@@ -153,22 +73,38 @@ def compare_with_notice(run: LiveRun) -> LiveResult:
     return LiveResult(finished_run(run), known_run(run))
 
 
-class Live:
-    """Plays a run while the tab of events is in sight.
+class Live(TypedParameters):
+    """The run that plays while the tab of events is in sight, and the next events; `page` has the tab."""
 
-    Parameters
-    ----------
-    page : Page
-        The page that has the tab, and the run as `page.live`.
-    works : PageWorks
-        The work of the page.
-    """
+    passing = ("on", "playing", "pace", "is_open", "replan_s")
 
-    def __init__(self, page: Any, works: "PageWorks") -> None:
-        self.of, self.works, self.state, self.model = page, works, page.desk, page.live
-        state = self.state
+    on = param.Boolean(default=False, doc="Whether the page plays a run.")
+    playing = param.Boolean(default=False, doc="Whether its clock runs.")
+    pace = param.Selector(default=5.0, objects=list(PACES), doc="How many times faster than in reality.")
+    is_open = param.Boolean(default=False, doc="Whether the signal stays red until it is cleared.")
+
+    failure = result(RailjouleError, "Why the last request failed.")
+    run = result(LiveRun, "The run as it is now.")
+    planned = param.Event(doc="The run has another plan, or is another one.")
+    replan_s = param.Number(default=0.0, doc="How long its plan ahead took [s].")
+    ended = result(LiveResult, "The run that has arrived, beside others.")
+
+    def __init__(self, page: Any, **params: Any) -> None:
+        super().__init__(**params)
+        self.page, self.desk = page, page.desk
+        self.signal, self.limit = EventModel(duration_s=FIRST_STOP_S), EventModel(kind="limit")
+        self.voltage = EventModel(kind="voltage")
+        self._asked: Scenario | None = None
+        self._waiting: Step | None = None
+        self._planning = False
+        self._read_s = 0.0
+        self._clock: Any = None
+
+    def begin_work(self, works: "PageWorks") -> None:
+        """Make the workers."""
+        self.works, scenario = works, self.desk.scenario
         # first of all watchers: the run of the scenario before is gone when the next one is asked for
-        state.scenario.param.watch(self._forget, ["preset", "opened"])
+        scenario.param.watch(self._forget, ["preset", "opened"])
         self.starts = works.worker(
             "live_start",
             begin_run,
@@ -178,89 +114,97 @@ class Live:
             is_slow=lambda scenario: is_slow(scenario, scenario.strategy),
         )
         self.steps = works.worker("live_step", take_step, self._take_step, self._refuse_step)
-        self.results = works.worker("live_result", compare_with_notice, self._take_result, self._fail)
-        self._asked: Scenario | None = None
-        self._waiting: Step | None = None
-        self._planning = False
-        self._read_s = 0.0
-        self._clock: Any = None
-        state.scenario.follow(lambda scenario: scenario.line.length_m, self.model.take)
-        state.scenario.param.watch(self._ask, list(RUN_FIELDS))
-        state.param.watch(self._ask, ["page", "chosen"])
-        self.of.param.watch(self._ask, "tab")
-        self.model.param.watch(self._ask, "on")
-        self.model.param.watch(self._set_clock, "playing")
-        self.model.param.watch(self._restart, "restart")
-        self.model.param.watch(lambda event: self.plan(event.new), "step")
-        self.model.take(state.scenario.edited)
+        self.results = works.worker(
+            "live_result", compare_with_notice, lambda ended: self.param.update(ended=ended), self._fail
+        )
+        scenario.follow(lambda scenario: scenario.line.length_m, self.take)
+        scenario.param.watch(self._ask, list(RUN_FIELDS))
+        self.desk.param.watch(self._ask, ["page", "chosen"])
+        self.page.param.watch(self._ask, "tab")
+        self.param.watch(self._ask, "on")
+        self.param.watch(self._set_clock, "playing")
+        self.take(scenario.edited)
 
-    def _forget(self, *_: Any) -> None:
-        """Remove the run, as its scenario has been replaced."""
-        self._asked = None
-        self._drop()
+    def take(self, scenario: Scenario) -> None:
+        """Choose places on a scenario's line."""
+        length = scenario.line.length_m
+        self.signal.position_m = round(0.5 * length)
+        self.limit.param.update(position_m=round(0.6 * length), to_m=round(0.7 * length))
 
-    def _fail(self, failure: RailjouleError) -> None:
-        self.model.failure = failure
+    # ---- what the user asks for
 
-    def _restart(self, *_: Any) -> None:
+    def set(self, event: EventModel, *_: Any) -> None:
+        """Set the red signal, the lower limit or the supply voltage of an event."""
+        if event.kind == "limit" and event.position_m >= event.to_m:
+            begins, ends = f"{event.position_m:g} m", f"{event.to_m:g} m"
+            self.failure = ScenarioError(f"Limit to {ends}: it begins at {begins}. Choose an end beyond that.")
+            return
+        is_open = self.is_open and event is self.signal
+        self.plan(partial(set_event, event=EVENTS[event.kind](**event.values), is_open=is_open))
+
+    def clear(self, *_: Any) -> None:
+        """Clear the red signal that the train meets first."""
+        self.plan(clear_first)
+
+    def restart(self, *_: Any) -> None:
         """Put the train back to the start."""
         self._forget()
         self._ask()
 
     def plan(self, step: Step) -> None:
         """Take a step with the run as it is; one that comes while another is taken waits for it."""
-        run = self.model.run
-        if run is None:
-            return
         if self._planning:
             self._waiting = step
-            return
-        self._planning = True
-        self.steps.ask(StepRequest(step, run))
+        elif self.run is not None:
+            self._planning = True
+            self.steps.ask((step, self.run))
 
     def tick(self, seconds: float) -> None:
         """Advance the clock [s of reality]; it waits while a plan is made, which begins at the train's position."""
-        run = self.model.run
-        if run is None or self._planning or run.has_arrived:
+        if self.run is None or self._planning or self.run.has_arrived:
             return
-        now = advance(run, seconds * self.model.pace)
-        self.model.run = now
+        self.run = now = advance(self.run, seconds * self.pace)
         if now.held_at is not None:
             self.plan(wait_longer)
         elif now.has_arrived:
-            self.model.playing = False
+            self.playing = False
             self.results.ask(now)
 
+    # ---- what is computed
+
     def _ask(self, *_: Any) -> None:
-        if not (self.works.in_sight and self.of.is_open("events") and self.model.on):
-            self.model.playing = False
+        if not (self.works.in_sight and self.page.is_open("events") and self.on):
+            self.playing = False
             return
-        accepted = {"disturbance.accepted_delay_s": float(self.state.day.accepted_delay_s)}
-        scenario = self.state.scenario.scenario().replace(strategy=self.state.chosen, **accepted)
+        accepted = {"disturbance.accepted_delay_s": float(self.desk.day.accepted_delay_s)}
+        scenario = self.desk.scenario.scenario().replace(strategy=self.desk.chosen, **accepted)
         if scenario != self._asked:
+            self._forget()
             self._asked = scenario
-            self._drop()
             self.starts.ask(scenario)
 
-    def _drop(self) -> None:
-        self._waiting, self._planning = None, False
-        self.model.param.update(run=None, ended=None, failure=None, playing=False)
-        self.model.param.trigger("planned")
+    def _forget(self, *_: Any) -> None:
+        """Remove the run, as its scenario has been replaced."""
+        self._asked, self._waiting, self._planning = None, None, False
+        self.param.update(run=None, ended=None, failure=None, playing=False)
+        self.param.trigger("planned")
+
+    def _fail(self, failure: RailjouleError) -> None:
+        self.failure = failure
 
     def _take_start(self, run: LiveRun) -> None:
-        self.model.param.update(run=run, ended=None, failure=None, replan_s=0.0)
-        self.model.param.trigger("planned")
+        self.param.update(run=run, ended=None, failure=None, replan_s=0.0)
+        self.param.trigger("planned")
 
     def _take_step(self, run: LiveRun) -> None:
         # the run that it was for may have gone
-        if not self._planning:
-            return
-        self.model.param.update(run=run, failure=None, replan_s=self.steps.last_duration_s)
-        self.model.param.trigger("planned")
-        self._go_on()
+        if self._planning:
+            self.param.update(run=run, failure=None, replan_s=self.steps.last_duration_s)
+            self.param.trigger("planned")
+            self._go_on()
 
     def _refuse_step(self, failure: RailjouleError) -> None:
-        self._fail(failure)
+        self.failure = failure
         self._go_on()
 
     def _go_on(self) -> None:
@@ -269,15 +213,14 @@ class Live:
         if step is not None:
             self.plan(step)
 
-    def _take_result(self, result: LiveResult) -> None:
-        self.model.ended = result
+    # ---- the clock
 
     def _set_clock(self, *_: Any) -> None:
         if self._clock is not None:
             self._clock.stop()
             self._clock = None
         # without a page around it, `tick` is called by hand
-        if self.model.playing and pn.state.curdoc is not None:
+        if self.playing and pn.state.curdoc is not None:
             self._read_s = time.monotonic()
             self._clock = pn.state.add_periodic_callback(self._read, period=TICK_MS)
 

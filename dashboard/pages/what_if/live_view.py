@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import panel as pn
-import panel_material_ui as pmui
 
+from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.leg import Leg
@@ -19,25 +19,22 @@ from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve, Line
 from railjoule.dashboard.charts.track import add_limits, add_stations, draw_limits, draw_stations, limits_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.typed import clock
-from railjoule.dashboard.pages.what_if.live import PACES, LiveModel, LiveResult
+from railjoule.dashboard.pages.what_if.live import PACES, Live, LiveResult
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.choices import box, buttons
+from railjoule.dashboard.parts.choices import box, button, buttons
 from railjoule.dashboard.parts.number_field import NumberField
 
-LINES = {"former plan": "pinned", "plan ahead": "accent", "driven": "driven"}
-"""The colours of the lines, in the order of drawing."""
-NAME_TOKENS = {"former plan": "ink3", "plan ahead": "accent", "driven": "driven"}
-"""The colours in which they are named."""
-STROKES: dict[str, dict[str, Any]] = {
-    "former plan": {"line_width": 1.8, "line_dash": [2, 3]},
-    "plan ahead": {"line_width": 2.2, "line_dash": DRIVEN_DASH},
-    "driven": {"line_width": 2.4},
+LINES = {
+    "former plan": Line("pinned", {"line_width": 1.8, "line_dash": [2, 3]}),
+    "plan ahead": Line("accent", {"line_width": 2.2, "line_dash": DRIVEN_DASH}),
+    "driven": Line("driven", {"line_width": 2.4}),
 }
+"""Colour and stroke of the lines, in the order of drawing."""
 HEADROOM = 1.2
 """The upper end of the axis over the highest speed."""
 LIMIT_ROOM = 1.1
@@ -55,7 +52,7 @@ class LiveSpeedChart(DistanceChart):
         add_limits,
         add_stations,
         methodcaller("hairlines", "signals", "limit", line_width=1.4),
-        *(methodcaller("line", name, token, **STROKES[name]) for name, token in LINES.items()),
+        *(methodcaller("line", name, line.token, **line.stroke) for name, line in LINES.items()),
         methodcaller("dots", "train", "surface", "driven", size=11, line_width=3),
         methodcaller("signs", "signs", "limit", x_offset=4, text_baseline="top"),
         NAMES,
@@ -90,7 +87,9 @@ class LiveSpeedChart(DistanceChart):
         self._plan, self._drawn_m = run.plan, run.position_m
         self._draw_train(run)
         shown = {name: curve for name, curve in curves.items() if len(curve[0]) > 1}
-        names = [Name(name, name, self.palette.tokens[NAME_TOKENS[name]]) for name in reversed(shown)]
+        # the line of the former plan is too pale for text
+        tokens = {name: line.token for name, line in LINES.items()} | {"former plan": "ink3"}
+        names = [Name(name, name, self.palette.tokens[tokens[name]]) for name in reversed(shown)]
         taken = [self.frame_now.box(x, 0.99 * top, "red 000 s", lift_px=-15) for x in places]
         self.place_names({**shown, "limit": limit}, names, taken)
 
@@ -134,6 +133,7 @@ BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")
 FIELDS_CSS = """
 :host { display: grid; grid-template-columns: repeat(auto-fill, minmax(172px, 1fr)); align-items: end; }
 """
+SMALL: dict[str, Any] = {"height": 28, "margin": (8, 4, 0, 4)}
 HOW = (
     "Press Play, then set a signal, a limit or a voltage while the train drives: the plan ahead is computed again from "
     "where the train is. A click on the chart sets a red signal there."
@@ -149,63 +149,60 @@ UNLIKE = (
 class LivePart:
     """The view of a run that plays."""
 
-    def __init__(self, model: LiveModel, host: Any, keep: Callable[..., None]) -> None:
+    def __init__(self, model: Live, host: Any, keep: Callable[..., None]) -> None:
         self.model, self.axis, self.chart = model, host.axes[PLAYED.axis], host.plots[PLAYED.name]
         self.chart.press = self._press
         self.numbers, self.message, self.status, self.table = (parts.html_pane() for _ in range(4))
-        self.play = _button("Play", self._play, variant="contained")
-        self.again = _button("Start again", lambda _: model.param.trigger("restart"))
-        self.keep = _button("Keep these events", keep)
-        self.pace = buttons(self.model, "pace", {f"{pace:g}\u00d7": pace for pace in PACES}, margin=(8, 8, 0, 8))
-        tools = pn.Row(self.play, self.pace, self.again, self.keep, margin=(0, 0, 0, 12), stylesheets=[parts.WRAP_CSS])
+        self.play = button("Play", self._play, **{**SMALL, "variant": "contained"})
+        self.keep = button("Keep these events", keep, **SMALL)
+        tools = pn.Row(
+            self.play,
+            buttons(model, "pace", {f"{pace:g}\u00d7": pace for pace in PACES}, margin=(8, 8, 0, 8)),
+            button("Start again", model.restart, **SMALL),
+            self.keep,
+            margin=(0, 0, 0, 12),
+            stylesheets=[parts.WRAP_CSS],
+        )
         body = parts.stack(self.status, self.chart.host, self._fields(), self.table, css=BODY_CSS)
         self.view = parts.stack(self.numbers, tools, self.message, body)
         # not a part of the page: a tenth of a second is too short to settle all charts
         model.param.watch(self.move, "run")
-        host.browser.follow(["hidden"], lambda: self._pause(host.browser.hidden))
+        host.browser.follow(["hidden"], lambda: host.browser.hidden and model.param.update(playing=False))
 
     def _fields(self) -> pn.Column:
-        model = self.model
-        self.clear = _button("Clear signal", model.clear_signal)
+        model, signal, limit = self.model, self.model.signal, self.model.limit
+        self.clear = button("Clear signal", model.clear, **SMALL)
+        set_signal, set_limit, set_voltage = (
+            button(label, partial(model.set, event), **SMALL)
+            for label, event in {"Set red signal": signal, "Set limit": limit, "Set voltage": model.voltage}.items()
+        )
         rows = (
             (
-                NumberField(model, "signal_m"),
-                NumberField(model, "signal_s", of="Signal "),
+                NumberField(signal, "position_m", label="Signal at, m"),
+                NumberField(signal, "duration_s", label="red for, s", of="Signal "),
                 box(model, "is_open", "until cleared", margin=(0, 12)),
-                pn.Row(
-                    _button("Set red signal", model.set_signal),
-                    self.clear,
-                    margin=0,
-                    stylesheets=[parts.WRAP_CSS],
-                ),
+                pn.Row(set_signal, self.clear, margin=0, stylesheets=[parts.WRAP_CSS]),
             ),
             (
-                NumberField(model, "from_m"),
-                NumberField(model, "to_m", of="Limit "),
-                NumberField(model, "limit_kmh", of="Limit "),
-                _button("Set limit", model.set_limit),
+                NumberField(limit, "position_m", label="Limit from, m"),
+                NumberField(limit, "to_m", of="Limit "),
+                NumberField(limit, "limit_kmh", of="Limit "),
+                set_limit,
             ),
-            (
-                NumberField(model, "voltage_percent"),
-                _button("Set voltage", model.set_voltage),
-            ),
+            (NumberField(model.voltage, "share_percent", label="Voltage, %"), set_voltage),
         )
         return parts.stack(*(parts.stack(*row, css=FIELDS_CSS) for row in rows))
 
     def _play(self, _: Any) -> None:
         run = self.model.run
         if run is not None and run.has_arrived:
-            self.model.param.trigger("restart")
+            self.model.restart()
         else:
             self.model.playing = run is not None and not self.model.playing
 
-    def _pause(self, hidden: bool) -> None:
-        if hidden:
-            self.model.playing = False
-
     def _press(self, place_m: float) -> None:
-        self.model.signal_m = float(round(place_m))
-        self.model.set_signal()
+        self.model.signal.position_m = float(round(place_m))
+        self.model.set(self.model.signal)
 
     def show_plan(self) -> None:
         """Draw the run with the plan that it has now."""
@@ -262,12 +259,7 @@ class LivePart:
 
     def show_result(self) -> None:
         """Show the result of the run beside its plan and the run with advance notice."""
-        result = self.model.ended
-        self.table.object = "" if result is None else _table(result)
-
-
-def _button(label: str, act: Any, variant: str = "outlined") -> pmui.Button:
-    return pmui.Button(label=label, variant=variant, size="small", height=28, margin=(8, 4, 0, 4), on_click=act)
+        self.table.object = "" if self.model.ended is None else _table(self.model.ended)
 
 
 def _doing(run: LiveRun) -> str:
@@ -286,25 +278,26 @@ def _status(run: LiveRun, replan_s: float) -> list[str]:
     elif run.strategy != run.scenario.strategy:
         cells = words.number(run.plan.scenario.solver.mesh_m, 0)
         made = STANDS_IN.format(made, cells, words.STRATEGY_WORDS[run.scenario.strategy])
-    where = f"At {words.number(run.since.position_m, 0)} m"
-    return [f"{where}: planned again in {1000 * replan_s:.0f} ms, {made}.", *run.notes]
+    return [
+        f"At {words.number(run.since.position_m, 0)} m: planned again in {1000 * replan_s:.0f} ms, {made}.",
+        *run.notes,
+    ]
 
 
 def _table(result: LiveResult) -> str:
     """Return the energies and arrivals of the plan, the run that played, and the one with advance notice."""
     planned = result.live.planned
-    nothing = (comparisons.NOTHING.cell, words.delay(0.0))
-    rows: list[tuple[tuple[str, ...], bool]] = [(("Undisturbed", words.energy(planned.energy_kwh), *nothing), False)]
-    rows += [
-        (_row("Played", result.live, planned.energy_kwh), True),
-        (_row(words.REACTION_WORDS["known"], result.known, planned.energy_kwh), False),
-    ]
-    is_unlike = abs(result.live.delay_s - result.known.delay_s) >= UNLIKE_S
+    runs = {"Played": result.live, words.REACTION_WORDS["known"]: result.known}
+    rows = [(ride_row(name, planned, ride), name == "Played") for name, ride in {"Undisturbed": None, **runs}.items()]
     table = parts.table("How it ended", ("Run", "kWh", "more, %", "late, s"), rows)
+    is_unlike = abs(result.live.delay_s - result.known.delay_s) >= UNLIKE_S
     return parts.markup("{}{}", table, parts.note_paragraphs([UNLIKE] if is_unlike else []))
 
 
-def _row(name: str, run: DisturbedRun, planned_kwh: float) -> tuple[str, ...]:
-    energy = run.actual.energy_kwh
-    more = comparisons.extra(energy, planned_kwh, run.delay_s, run.stop_error_m).cell
-    return name, words.energy(energy), more, words.delay(run.delay_s)
+def ride_row(name: str, planned: Trajectory, ride: DisturbedRun | None) -> tuple[str, ...]:
+    """Return energy of a run with events, more than that of the plan, and delay; None for the plan itself."""
+    if ride is None:
+        return name, words.energy(planned.energy_kwh), comparisons.NOTHING.cell, words.delay(0.0)
+    energy = ride.actual.energy_kwh
+    more = comparisons.extra(energy, planned.energy_kwh, ride.delay_s, ride.stop_error_m).cell
+    return name, words.energy(energy), more, words.delay(ride.delay_s)

@@ -15,7 +15,7 @@ from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve, Line
 from railjoule.dashboard.charts.track import add_limits, add_tint, draw_limits, limits_of
 from railjoule.dashboard.day import EventModel
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.what_if.compute import LateArrivals, Rides
+from railjoule.dashboard.pages.what_if.compute import Late, Rides
 
 LINES: Mapping[str, Line] = {
     "undisturbed": Line("pinned", {"line_width": 1.8}),
@@ -40,9 +40,8 @@ def draw_rides(chart: RunLines, runs: Mapping[str, Trajectory], events: list[Eve
     top = HEADROOM * data_range(lines.values())[1]
     chart.set_range(0, top)
     # over time each run has borders of its own
-    limits = limits_of(runs["undisturbed"].scenario)
-    line = (np.zeros(2), np.zeros(1)) if over_time else limits
-    border = draw_limits(chart, *line)
+    limits = (np.zeros(2), np.zeros(1)) if over_time else limits_of(runs["undisturbed"].scenario)
+    border = draw_limits(chart, *limits)
     shown = [] if over_time else [event for event in events if event.kind in {"stop", "limit"}]
     chart.put(
         "events",
@@ -112,19 +111,17 @@ LATE = Plot(
 )
 
 
-def late_curves(late: LateArrivals, rides: Rides) -> dict[str, Curve]:
+def late_curves(late: Late, rides: Rides) -> dict[str, Curve]:
     """Return energy over delay by reaction, and the present runs, by the names in `LATE`."""
-    curves: dict[str, Curve] = {}
     points = {reaction: (ride.delay_s, ride.actual.energy_kwh) for reaction, ride in rides.rides.items()}
-    for reaction, energy in late.energy_kwh.items():
-        delay, known = late.delay_s[reaction], np.isfinite(energy)
-        if not np.any(known):
-            continue
-        # the present run is one more point of its curve, so that the curve leads through it
-        x, y = (np.append(values[known], own) for values, own in zip((delay, energy), points[reaction], strict=True))
-        # the delay at the end need not rise with the accepted one
-        delays, chosen = np.unique(x, return_index=True)
-        curves[reaction] = delays, y[chosen]
+    curves: dict[str, Curve] = {}
+    for reaction, values in late.items():
+        if np.any(np.isfinite(values)):
+            # the present run is one more point of its curve, so that the curve leads through it
+            delay, energy = np.column_stack([values[:, np.isfinite(values[1])], points[reaction]])
+            # the delay at the end need not rise with the accepted one
+            delays, chosen = np.unique(delay, return_index=True)
+            curves[reaction] = delays, energy[chosen]
     present = np.array([*points.values()]).T
     return {**curves, "present": (present[0], present[1])}
 
@@ -138,13 +135,11 @@ def late_ends(curves: Mapping[str, Curve]) -> tuple[tuple[float, float], tuple[f
     return (min(0.0, float(delays.min())), float(delays.max()) + 1e-6), nice_range(energies.min(), energies.max())
 
 
-def saved_by(late: LateArrivals, reaction: str) -> str:
+def saved_by(late: Late, reaction: str) -> str:
     """Return the saving by the first seconds of delay, in words."""
-    delay, energy = late.delay_s[reaction], late.energy_kwh[reaction]  # type: ignore[index]
-    known = np.flatnonzero(np.isfinite(energy))
+    delay, energy = late[reaction][:, np.isfinite(late[reaction][1])]  # type: ignore[index]
     # a train that cannot make up all of its delay arrives no later for the first delays that are accepted
-    later = known[delay[known] >= delay[known[0]] + SAVED_OVER_S] if len(known) else known
+    later = np.flatnonzero(delay >= delay[:1] + SAVED_OVER_S)
     if not len(later):
-        return "\u2013"
-    first, then = known[0], later[0]
-    return words.price((energy[first] - energy[then]) / (delay[then] - delay[first]) * J_PER_KWH)
+        return words.UNKNOWN
+    return words.price((energy[0] - energy[later[0]]) / (delay[later[0]] - delay[0]) * J_PER_KWH)

@@ -80,7 +80,7 @@ class Desk:
             self.state.day.add_stop()
             page = self.state.pages["What if"]
             compute, *asked = page._rides()
-            page.param.update(reality=compute_reality(page._reality()[1]), rides=compute(*asked))
+            page.param.update(reality=compute_reality(*page._reality()[1:]), rides=compute(*asked))
         if name == "Files":
             page = self.state.pages["Files"]
             page.tab = "runs"

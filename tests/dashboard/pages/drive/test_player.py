@@ -4,7 +4,7 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.drive.player import played_columns
+from railjoule.dashboard.pages.drive.charts import played_columns
 
 
 @pytest.mark.parametrize("name", ["metro-with-limit", "ftorek-300s", "metro-10-stations"])

@@ -8,8 +8,7 @@ import pytest
 
 from railjoule.core import Trajectory, load_scenario, solve
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.drive.card import driver_card
-from railjoule.dashboard.pages.drive.texts import worth, yearly_saving
+from railjoule.dashboard.pages.drive.texts import driver_card, worth, yearly_saving
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 NUMBERS = (0.15, 300.0, 0.3)

@@ -24,7 +24,7 @@ from railjoule.dashboard.pages.explore.charts import (
     spread_signs,
 )
 from railjoule.dashboard.pages.explore.compute import ENERGY, Look, LookRequest, Raster, compute_look
-from railjoule.dashboard.pages.explore.table import study_columns, study_table
+from railjoule.dashboard.pages.explore.fields import study_columns, study_table
 from railjoule.dashboard.work.run_table import digits_for
 
 X, LOAD, RECUPERATION = "timetable.travel_time_s", "vehicle.load_factor", "drive.recuperation_factor"

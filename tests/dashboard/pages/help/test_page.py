@@ -9,7 +9,9 @@ from commands import answer
 from railjoule.core.budget import LIBRARY, PAGE
 from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.limits import limits, markdown
-from railjoule.dashboard.pages.help.page import documentation_html, help_html
+from railjoule.dashboard.look.glossary import TERMS
+from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.pages.help.page import USES, documentation_html, glossary_html, last_html
 
 
 @pytest.mark.parametrize("built", [True, False])
@@ -23,7 +25,7 @@ DOCS = Path(__file__).resolve().parents[4] / "assets" / "docs" / "limits.md"
 
 
 def test_the_page_the_terminal_and_the_docs_list_each_limit(capsys):
-    printed, page = answer(capsys, "limits"), unescape(help_html())
+    printed, page = answer(capsys, "limits"), unescape(last_html())
     for limit in limits():
         assert f"<td>{limit.of}</td><td>{limit.page}</td><td>{limit.library}</td>" in page
         assert any(line.split("  ")[0] == limit.of and limit.page in line for line in printed.splitlines())
@@ -34,3 +36,16 @@ def test_a_page_is_bounded_no_higher_than_the_library():
     assert set(LIBRARY.strategy_cells) == set(PAGE.strategy_cells) <= set(STRATEGIES)
     for field in ("row_count", "cell_count", "idling_cells", "chain_boxes", "loop_time_s", "loop_steps"):
         assert getattr(PAGE, field) <= getattr(LIBRARY, field)
+
+
+def test_each_page_has_its_use():
+    assert USES.keys() == PAGES.keys()
+
+
+def test_a_term_is_found_by_any_of_its_words():
+    assert all(f'id="term-{term.slug}"' in glossary_html() for term in TERMS)
+    # a label of "Energy saved per extra second", whose name does not have it
+    found = glossary_html("EXTRA SECOND SAVES")
+    assert found.count("<dt>") == 1
+    assert 'id="term-energy-saved-per-extra-second"' in found
+    assert "No term has" in glossary_html("no such term")

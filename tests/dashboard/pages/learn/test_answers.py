@@ -14,14 +14,14 @@ from railjoule.dashboard.pages.learn.answers import (
     find_answer,
     motors_off_m,
 )
-from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
+from railjoule.dashboard.pages.learn.compute import LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
 
 BY_NAME = {lesson.name: lesson for lesson in LESSONS}
 
 
 def result(lesson: str, at: float) -> LessonResult:
-    return compute_lesson(LessonRequest(lesson, at))
+    return compute_lesson(lesson, at)
 
 
 def answer(lesson: str, at: float) -> Answer:

@@ -4,18 +4,18 @@ import pytest
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.plot import CurveChart
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.learn.charts import PRICE, PhasePlaneChart, make_speed_plot, price_curves
-from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
+from railjoule.dashboard.pages.learn.charts import PRICE, make_plane_plot, make_speed_plot, price_curves
+from railjoule.dashboard.pages.learn.compute import LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
 
 @pytest.fixture(scope="module")
 def result() -> LessonResult:
-    return compute_lesson(LessonRequest("multiplier", 200.0))
+    return compute_lesson("multiplier", 200.0)
 
 
 def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:
-    chart = PhasePlaneChart("multiplier", 250, Palette(False))
+    chart = CurveChart(make_plane_plot(LESSONS[1]), 250, Palette(False))
     chart.show(lambda: chart.draw(result))
     assert chart.sources["bands"].data["top"][:2] == pytest.approx([0.0, 1 / 0.85])
     coast = next(phase for phase in result.runs["optimum"].phases if phase.phase == "coast")

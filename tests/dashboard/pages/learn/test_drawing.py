@@ -6,7 +6,7 @@ import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.pages.learn.drawing import (
+from railjoule.dashboard.pages.learn.drawn import (
     POINTS,
     TARGET_S,
     begin,

@@ -6,7 +6,7 @@ import pytest
 
 from railjoule.dashboard.pages.learn.answers import Answer, find_answer
 from railjoule.dashboard.pages.learn.compute import LESSONS as COMPUTED
-from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
+from railjoule.dashboard.pages.learn.compute import LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.guessed import guess_html
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES, Lesson
 from railjoule.dashboard.workbench import Workbench
@@ -18,7 +18,7 @@ BY_NAME = {lesson.name: lesson for lesson in LESSONS}
 
 
 def result(lesson: str, at: float) -> LessonResult:
-    return compute_lesson(LessonRequest(lesson, at))
+    return compute_lesson(lesson, at)
 
 
 @each_lesson

@@ -11,7 +11,7 @@ from railjoule.core.simulation.manual import require_drivable
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.keep.pins import run_again
 from railjoule.dashboard.pages.learn.by_hand import PRESET, best_run, driven_run, judge
-from railjoule.dashboard.pages.learn.verdict_words import best_try, details, outcome
+from railjoule.dashboard.pages.learn.verdict import best_try, details, outcome
 from railjoule.dashboard.state.pins import KeptPin
 
 POWER, COMMANDS, LATE = "p0", "p0c300p600", "p0c60"

@@ -9,10 +9,12 @@ from railjoule.dashboard.pages.papers.tables import (
     errata_html,
     finding,
     overview_html,
+    reasons_html,
     summary_words,
     table_html,
     tables_csv,
     typeset,
+    typeset_plain,
 )
 
 TABLE = Table(
@@ -87,3 +89,22 @@ def test_the_head_counts_only_printed_numbers_and_each_once() -> None:
 )
 def test_signs_of_papers_are_typeset(text: str, html: str) -> None:
     assert typeset(text) == html
+
+
+def test_symbols_of_figures_have_subscripts_where_there_are_such_letters() -> None:
+    assert typeset_plain("T_m = 300 s, L_pb, W_sh") == "T\u2098 = 300 s, L_pb, W\u209b\u2095"
+
+
+def test_reasons_that_differ_in_a_number_are_one_and_close_numbers_have_none() -> None:
+    notes = (
+        "The plan for a train 12 % lighter",
+        "The plan for a train 24 % heavier",
+        "The plan for a train 24 % heavier",
+    )
+    rows = (Row(f"{k}", "W", "Wh", 100.0, 110.0, note, f"{k}") for k, note in enumerate((*notes, "Another.")))
+    table = Table("Energies", (*rows, Row("x", "W", "Wh", 100.0, 100.1, "Close.", "x")), "Table 1")
+    text = reasons_html({"ftorek": Validation("ftorek", "", (table,), ())})
+    assert "<td>Ftorek<td>3<td>The plan for a train 24 % heavier" in text
+    assert "<td>1<td>Another." in text
+    assert "lighter" not in text
+    assert "Close." not in text

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from railjoule.core import load_scenario, save_scenario
-from railjoule.dashboard.pages.start.my_files import EMPTY, files_html
+from railjoule.dashboard.pages.start.page import EMPTY, files_html
 from railjoule.dashboard.scenario_folder import ScenarioFolder
 from railjoule.dashboard.state.files import FilesModel, serve_folder
 from railjoule.dashboard.state.scenario import ScenarioModel

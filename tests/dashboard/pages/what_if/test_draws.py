@@ -8,7 +8,7 @@ from builders import plain_scenario
 
 from railjoule.core.studies.montecarlo import monte_carlo
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.pages.what_if.draws import INPUTS, draws_table
+from railjoule.dashboard.pages.what_if.chance_charts import INPUTS, draws_table
 
 RUNS = 120
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from railjoule.dashboard.pages.what_if.fields import WhatIfFields
 from railjoule.dashboard.workbench import Workbench
 
 
@@ -13,26 +12,28 @@ from railjoule.dashboard.workbench import Workbench
 )
 def test_sensors_are_shown_where_the_train_brakes_along_the_target_curve(preset: str, shown: bool) -> None:
     state = Workbench()
-    fields = WhatIfFields(state.pages["What if"])
+    page = state.pages["What if"]
+    page.layout_fields()
     state.scenario.choose(preset)
-    assert state.day.target_braking == fields.sensors.visible == shown
+    assert state.day.target_braking == page.sensors.visible == shown
     state.day.target_braking = not shown
-    assert fields.sensors.visible == (not shown)
+    assert page.sensors.visible == (not shown)
 
 
 def test_the_fields_are_those_of_the_tab() -> None:
     state = Workbench()
     page = state.pages["What if"]
-    fields = WhatIfFields(state.pages["What if"])
-    assert [part.visible for part in fields.parts.values()] == [True, False, False]
-    assert not list(fields.parts["events"])
+    page.layout_fields()
+    bodies = page.tab_fields.bodies
+    assert [body.visible for body in bodies.values()] == [True, False, False]
+    assert not list(bodies["events"])
     page.tab = "events"
-    assert [part.visible for part in fields.parts.values()] == [False, True, False]
-    fields._adder("limit")(None)
+    assert [body.visible for body in bodies.values()] == [False, True, False]
+    page._drop_in_middle("limit")
     assert [event.kind for event in state.day.events] == ["limit"]
-    assert len(fields.list) == 1
+    assert len(page.list) == 1
     page.tab = "chance"
     page.drawing = True
-    assert fields.drawing._stop.visible
-    fields.drawing._stop.clicks += 1
+    assert page.more_progress.stop.visible
+    page.more_progress.stop.clicks += 1
     assert not page.drawing

@@ -13,29 +13,30 @@ from railjoule.dashboard.workbench import Workbench
 def test_a_run_is_played_with_events_kept_and_computed_by_the_page() -> None:
     state = Workbench()
     PageWorks(state.pages["What if"])
-    work, model = state.pages["What if"].player, state.pages["What if"].live
+    model = state.pages["What if"].live
     state.scenario.choose("liashenko-ii")
     state.pages["What if"].tab = "events"
     state.page = "What if"
     view = PageHost(state.pages["What if"], Browser(), Palette(dark=False))
     assert model.run is None
     model.on = model.playing = True
-    model.param.update(pace=20.0, signal_m=900.0, signal_s=15.0)
+    model.pace = 20.0
+    model.signal.param.update(position_m=900.0, duration_s=15.0)
     while model.run.position_m < 400.0:
-        work.tick(0.1)
+        model.tick(0.1)
     drawn = view.plots["live_speed"].sources
     assert drawn["train"].data["x"] == pytest.approx([model.run.position_m])
     assert drawn["driven"].data["x"][-1] == pytest.approx(model.run.position_m)
-    model.set_signal()
+    model.set(model.signal)
     assert model.failure is None
     assert list(drawn["signs"].data["text"]) == ["red 15 s"]
     assert "planned again in" in view.of.playing.status.object
     # one behind the train is refused, and the run goes on
-    model.signal_m = 100.0
-    model.set_signal()
+    model.signal.position_m = 100.0
+    model.set(model.signal)
     assert "is not ahead of the train" in view.of.playing.message.object
     while model.ended is None:
-        work.tick(0.5)
+        model.tick(0.5)
     assert not model.playing
     assert "How it ended" in view.of.playing.table.object
     played = model.ended.live

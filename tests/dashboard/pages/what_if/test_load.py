@@ -7,7 +7,7 @@ from railjoule.core import load_scenario
 from railjoule.core.simulation.following import plan_knowing_load
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.words import MINUS
-from railjoule.dashboard.pages.what_if.compute import Conditions, Reality, compute_reality
+from railjoule.dashboard.pages.what_if.compute import Reality, compute_reality
 from railjoule.dashboard.pages.what_if.load import load_figures
 
 NO_TARGET_CURVE = load_scenario("metro-with-limit", {"simulation.target_braking": False})
@@ -20,7 +20,7 @@ def plain(markup: str) -> str:
 
 def reality_at(load_factor: float, error_m: float) -> Reality:
     changes = {"disturbance.actual_load_factor": load_factor, "disturbance.coordinate_error_m": error_m}
-    return compute_reality(Conditions(NO_TARGET_CURVE, changes))
+    return compute_reality(NO_TARGET_CURVE, changes)
 
 
 def figures_at(load_factor: float, error_m: float) -> list[str]:
@@ -57,7 +57,7 @@ def test_a_miss_comes_first_though_the_run_needs_more() -> None:
 
 def test_a_run_in_time_at_its_stop_is_shown_by_its_energy() -> None:
     scenario = load_scenario("liashenko-ii")
-    cells = load_figures(compute_reality(Conditions(scenario, {"disturbance.actual_load_factor": 0.0})), None)
+    cells = load_figures(compute_reality(scenario, {"disturbance.actual_load_factor": 0.0}), None)
     main, arrival, _ = map(plain, cells)
     assert re.match(r"Load 0 %, 0 m \+[\d.]+ % [\d.]+ kWh, for the actual load [\d.]+", main)
     assert arrival == "Arrival 0.0 s at the stop"
@@ -65,7 +65,7 @@ def test_a_run_in_time_at_its_stop_is_shown_by_its_energy() -> None:
 
 def test_an_early_run_has_its_energy_at_equal_arrival_too() -> None:
     changes = {"disturbance.actual_load_factor": 1.0, "disturbance.coordinate_error_m": 10.0}
-    reality = compute_reality(Conditions(load_scenario("ftorek-300s"), changes))
+    reality = compute_reality(load_scenario("ftorek-300s"), changes)
     main, arrival, _ = map(plain, load_figures(reality, None))
     assert main.startswith("Load 100 %, +10 m +1.1 %")
     # against the later timetable it looked more expensive than it is

@@ -1,7 +1,10 @@
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pytest
 
-from railjoule.core import load_scenario
+from railjoule.core import Scenario, load_scenario
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.day import Day
@@ -9,12 +12,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.page_work import PageWorks
-from railjoule.dashboard.pages.what_if.compute import (
-    Conditions,
-    LateArrivals,
-    compute_late_arrivals,
-    compute_rides,
-)
+from railjoule.dashboard.pages.what_if.compute import compute_late_arrivals, compute_rides
 from railjoule.dashboard.pages.what_if.events import drawn
 from railjoule.dashboard.pages.what_if.rides import LATE, SPEEDS, late_curves, late_ends, saved_by
 from railjoule.dashboard.state.scenario import ScenarioModel
@@ -28,12 +26,12 @@ def tram_stop() -> Day:
 
 
 @pytest.fixture(scope="module")
-def asked() -> Conditions:
+def asked() -> tuple[Scenario, Mapping[str, Any]]:
     model = tram_stop()
-    return Conditions(load_scenario("tram-950m-stop"), model.event_tables)
+    return load_scenario("tram-950m-stop"), model.event_tables
 
 
-def test_a_press_drops_an_event_on_the_distance_alone(asked: Conditions) -> None:
+def test_a_press_drops_an_event_on_the_distance_alone(asked: tuple[Scenario, Mapping[str, Any]]) -> None:
     dropped: list[float] = []
     palette = Palette(dark=False)
     chart = SPEEDS.made(Axis(palette), palette)
@@ -41,7 +39,7 @@ def test_a_press_drops_an_event_on_the_distance_alone(asked: Conditions) -> None
     chart.axis.fit(950.0, roomy=False)
     chart.build()
     model = tram_stop()
-    runs = drawn(compute_rides(asked))
+    runs = drawn(compute_rides(*asked))
 
     class Press:
         x, y = 512.3, 20.0
@@ -72,9 +70,9 @@ def test_the_table_has_the_energies_of_the_rides() -> None:
         assert f"<td>{word}<td>{words.energy(rides[name])}<td>" in view.of.reactions.object
 
 
-def test_later_arrivals_save_and_the_price_falls(asked: Conditions) -> None:
-    *_, late = compute_late_arrivals(asked)
-    curves = late_curves(late, compute_rides(asked))
+def test_later_arrivals_save_and_the_price_falls(asked: tuple[Scenario, Mapping[str, Any]]) -> None:
+    *_, late = compute_late_arrivals(*asked)
+    curves = late_curves(late, compute_rides(*asked))
     ends = late_ends(curves)
     assert ends is not None
     chart = LATE.made(Axis(Palette(dark=False)), Palette(dark=False))
@@ -89,8 +87,6 @@ def test_later_arrivals_save_and_the_price_falls(asked: Conditions) -> None:
 
 def test_a_second_is_priced_from_the_smallest_delay_on() -> None:
     """Of a driver who is 18.1 s late whatever less is accepted; the column was empty."""
-    accepted = np.array([0.0, 10.0, 20.0, 30.0])
-    delay, energy = np.array([18.1, 18.1, 20.1, 30.0]), np.array([22.0, 22.0, 18.0, 14.0])
-    late = LateArrivals(accepted, {"driver": delay}, {"driver": energy})
-    assert saved_by(late, "driver") == words.price(4.0 / 2.0 * 3.6e6)
-    assert saved_by(LateArrivals(accepted, {"driver": delay[:2]}, {"driver": energy[:2]}), "driver") == "\u2013"
+    late = np.array([[18.1, 18.1, 20.1, 30.0], [22.0, 22.0, 18.0, 14.0]])
+    assert saved_by({"driver": late}, "driver") == words.price(4.0 / 2.0 * 3.6e6)
+    assert saved_by({"driver": late[:, :2]}, "driver") == "\u2013"

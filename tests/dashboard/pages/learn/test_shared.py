@@ -5,8 +5,17 @@ import pytest
 from railjoule.core import ScenarioError
 from railjoule.core.scenario import format_scenario
 from railjoule.core.units import J_PER_WH
-from railjoule.dashboard.pages.learn.shared import ShareOut, find_prices, total_kwh
-from railjoule.dashboard.pages.learn.slack import begin, driven_line, judge, line_tables, opened, read_sharing
+from railjoule.dashboard.pages.learn.shared import (
+    ShareOut,
+    begin,
+    driven_line,
+    find_prices,
+    judge,
+    line_tables,
+    opened,
+    read_sharing,
+    total_kwh,
+)
 from railjoule.dashboard.workbench import Workbench
 
 WRONG = ("", "uneven", "uneven:20,20,21", "uneven:0,30,30", "odd:20,20,20", "even:20,20,20,0", "even:-1,31,30")
@@ -70,7 +79,7 @@ def test_borders_leave_each_leg_a_second_and_a_verdict_belongs_to_its_distributi
         first, middle, _ = seconds
         assert lesson.borders.value == (first, first + middle)
     lesson.borders.value = (12, 40)
-    lesson.ask.param.trigger("clicks")
+    lesson.ask()
     assert messages == [("shared", "done", "uneven:12,28,20")]
     verdict = judge("uneven:12,28,20")
     lesson.borders.value = (13, 40)
