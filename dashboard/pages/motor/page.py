@@ -13,7 +13,7 @@ from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts import quantities
-from railjoule.dashboard.charts.machine_map import MotorMapChart
+from railjoule.dashboard.charts.level_map import MotorMapChart
 from railjoule.dashboard.charts.plot import DASHED, SOLID, AnyPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import Quantity, read
 from railjoule.dashboard.charts.run_lines import Line, RowPlot
