@@ -17,7 +17,7 @@ from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import Page, Request, shows, work
 from railjoule.dashboard.pages.trade_off import texts
 from railjoule.dashboard.pages.trade_off.charts import TIME_TITLE, ContourChart, FrontierChart, time_ends
-from railjoule.dashboard.pages.trade_off.compute import EnocPoint, TradeOff, TradeOffRequest, compute_trade_off
+from railjoule.dashboard.pages.trade_off.compute import EnocPoint, TradeOff, compute_trade_off
 from railjoule.dashboard.pages.trade_off.surface import SurfacePane
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons
@@ -84,7 +84,7 @@ class TradeOffPage(Page):
         scenario = self.desk.scenario.scenario().replace(
             **{"timetable.travel_time_s": longest_s, "enoc.acceleration_time_s": None}
         )
-        return compute_trade_off, TradeOffRequest(scenario, longest_s, self.wide_map, float(self.copper_weight))
+        return compute_trade_off, scenario, longest_s, self.wide_map, float(self.copper_weight)
 
     # ---- what it shows
 
