@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import Pan, Tap
-from bokeh.models import Span
+from bokeh.models import HoverTool, Span
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
 from railjoule.dashboard.charts.chart import no_grid
-from railjoule.dashboard.charts.dress import line_style
+from railjoule.dashboard.charts.dress import line_style, point_tip
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.level_map import LevelMap
 from railjoule.dashboard.charts.names import Name
@@ -29,6 +29,13 @@ BEFORE_SHARE, TANGENT_SHARE = 0.04, 0.09
 FAR_BELOW_AND_ABOVE = (-1e3, 1e4)
 """Ends of the hatched area of impossible times, beyond any energy [kWh] on the axis."""
 WHITE_LINE: Mapping[str, Any] = {"line_color": "#FFFFFF"}
+TIP = (
+    ("Travel time", "@x{0.0} s"),
+    ("Least energy", "@y{0.000} kWh"),
+    ("Against the present time", "@more{+0.000} kWh"),
+    ("One more second saves", "@price{0.0} Wh"),
+)
+"""Words and columns of a point of the frontier under the mouse."""
 MARK_PX = 6
 """Half the size of the marks that names keep clear of."""
 SIGNED = (0.02, 0.93)
@@ -55,6 +62,7 @@ class FrontierChart(LoneChart):
             hatch_scale=8,
             hatch_alpha=0.4,
         ),
+        methodcaller("source", "optimal", "x", "y", "more", "price"),
         *(methodcaller("line", name, name, **line_style(name)) for name in ("enoc", "optimal")),
         methodcaller("line", "tangent", "ink", line_width=1),
         methodcaller("dots", "printed", "surface", "enoc", marker="diamond", size=10, line_width=1.5),
@@ -77,6 +85,8 @@ class FrontierChart(LoneChart):
         self.palette.paint(self.now, line_color="line2")
         assert self.figure is not None
         self.figure.add_layout(self.now)
+        optimum = [drawn for drawn in self.figure.renderers if drawn.data_source is self.sources["optimal"]]
+        self.figure.add_tools(HoverTool(renderers=optimum, mode="vline", tooltips=point_tip(*TIP), visible=False))
         for kind in (Tap, Pan):
             self.figure.on_event(kind, self._set_time)
 
@@ -108,7 +118,8 @@ class FrontierChart(LoneChart):
             nice_range(float(np.nanmin(all_energies)), float(np.nanmax(all_energies))),
         )
         self.put("impossible", left=[0.0], right=[shortest])
-        self.put("optimal", **xy(time, energy))
+        more = energy - trade_off.frontier.energy_kwh_at(now)
+        self.put("optimal", **columns(x=time, y=energy, more=more, price=trade_off.frontier.price_of_time_wh_per_s))
         self.put("enoc", **xy(enoc_time, enoc))
         self.put("between", **columns(x=enoc_time, low=below_enoc, high=enoc))
         sides = TANGENT_SHARE * float(time[-1] - time[0]) * np.array([-1.0, 1.0])

@@ -90,7 +90,7 @@ class TradeOffPage(Page):
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.table, self.refused, self.notes = (parts.html_pane() for _ in range(3))
+        self.table, self.times, self.refused, self.notes = (parts.html_pane() for _ in range(4))
         plots = self.host.plots
         plots["frontier"].on_time = lambda time_s: self.desk.scenario.param.update(travel_time_s=time_s)
         self.invitation = parts.stack(self.refused, self._open_button(), visible=False)
@@ -115,7 +115,7 @@ class TradeOffPage(Page):
             visible=False,
         )
         left = parts.stack(plots["frontier"].host, plots["share"].host)
-        right = parts.stack(self.table, self.invitation, self.enoc)
+        right = parts.stack(self.times, self.table, self.invitation, self.enoc)
         return parts.stack(self.host.figures, parts.stack(left, right, css=LAYOUT_CSS), self.notes)
 
     def _open_button(self) -> pmui.Button:
@@ -154,6 +154,7 @@ class TradeOffPage(Page):
         enoc = trade_off.enoc_point(best.travel_time_s, self.desk.scenario.acceleration_time_s)
         self.host.figures.object = parts.figures(texts.trade_off_figures(trade_off, best, enoc))
         self.table.object = texts.runs_table(trade_off, runs, enoc)
+        self.times.object = texts.times_table(trade_off, best)
         others = {name: run for name, run in runs.runs.items() if run is not best}
         self.host.draw([FRONTIER], trade_off, best, others)
         refusal = trade_off.enoc_refusal(best.travel_time_s)
