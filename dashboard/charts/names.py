@@ -317,13 +317,6 @@ def rows_of(spans: Sequence[tuple[float, float]], gap_px: float = 6.0) -> list[i
     return result
 
 
-def is_clear(box: Box, taken: Sequence[Box], frame: Frame) -> bool:
-    """Return whether a box lies within a frame and touches none of those taken."""
-    left, bottom, right, top = box
-    inside = left >= 0 and bottom >= 0 and right <= frame.width_px and top <= frame.height_px
-    return inside and not any(left < b[2] and b[0] < right and bottom < b[3] and b[1] < top for b in taken)
-
-
 def placed_names(
     frame: Frame,
     lines: Mapping[str, tuple[FloatArray, FloatArray]],

@@ -9,14 +9,14 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.charts.quantities import along
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.side_by_side import pair_names
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import BODY_CSS, Request, shows, study
 from railjoule.dashboard.pages.compare import table
-from railjoule.dashboard.pages.compare.charts import PLOTS, end_of_run
-from railjoule.dashboard.pages.compare.contenders import Contender, contenders, find_reference
+from railjoule.dashboard.pages.compare.charts import PLOTS, Contender, contenders, find_reference
 from railjoule.dashboard.pages.compare.pair_charts import PAIR_PLOTS
 from railjoule.dashboard.pages.compare.pair_tab import PAIR_FIELDS, PAIR_TAB, STRATEGIES_TAB, PairTab
 from railjoule.dashboard.parts import html as parts
@@ -210,7 +210,8 @@ class Compare(PairTab):
         self.pins.object = parts.markup('<div class="block"><h2>Pinned runs</h2>{}</div>', "" if desk.pins else NO_PIN)
         self._show_pins()
         self.differences.object = table.scenario_differences(desk.pins, reference)
-        self.host.axis.fit(max(end_of_run(one.run, over_time) for one in among), roomy=not narrow)
+        x = along(over_time)
+        self.host.axis.fit(max(float(x.values(one.run)[-1]) for one in among), roomy=not narrow)
         self.host.draw(PLOTS, among, reference, over_time, narrow)
 
     def _offer(self, among: tuple[Contender, ...], reference: Contender) -> None:

@@ -6,11 +6,13 @@ from railjoule.core import Trajectory
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.differences import difference_words
-from railjoule.dashboard.pages.compare.contenders import Contender
+from railjoule.dashboard.pages.compare.charts import Contender
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.pins import Pin
 
-HINT = parts.Markup('<p class="note fewer-columns">A wider screen shows recuperated energy and losses, too.</p>')
+HINT = parts.Markup(
+    '<p class="note fewer-columns">A wider screen shows instructions, recuperated energy and losses, too.</p>'
+)
 """assets/css/parts.css leaves those columns out on narrow screens, and the difference in kWh."""
 
 
@@ -71,7 +73,7 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> parts.
     """Return the table as HTML; the reference is its chosen row, and losses that no run has are left out."""
     losses = [contender.run.energy.losses_j for contender in among]
     kinds = [kind for kind in dict.fromkeys(kind for each in losses for kind in each) if _has_any(losses, kind)]
-    header = ["Run", "kWh", "vs reference, kWh", "vs reference, %", "s", "km/h", "recuperated"]
+    header = ["Run", "kWh", "vs reference, kWh", "vs reference, %", "s", "km/h", "instructions", "recuperated"]
     header += [words.LOSS_WORDS[kind].lower() for kind in kinds]
     buttons = [parts.markup('<button type="button" class="sort" data-act="sort">{}</button>', word) for word in header]
     # added to HTML, a name is escaped: users give pins theirs
@@ -121,6 +123,7 @@ def _numbers(run: Trajectory, reference: Trajectory, kinds: Sequence[str]) -> li
         comparisons.beside(run, reference),
         words.time(run.travel_time_s),
         words.number(run.max_speed_kmh),
+        str(len(words.instruction_groups(run.advice))),
         words.energy(run.energy.recuperated_j / J_PER_KWH),
         *(words.UNKNOWN if joules is None else words.energy(joules / J_PER_KWH) for joules in losses),
     ]

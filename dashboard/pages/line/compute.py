@@ -1,6 +1,6 @@
 """A whole line with its stations: the optimum beside the two rules of timetable practice and a given timetable."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
@@ -18,14 +18,6 @@ EXAMPLE, EXAMPLE_TITLE = "metro-10-stations", "Metro, ten stations"
 # less than this beside equal slack, on a hilly suburban line several times as much.
 WORTH_SHARE = 0.01
 """From this share of the energy on, a better sharing of the slack is worth a new timetable."""
-
-
-@dataclass(frozen=True)
-class GivenRequest:
-    """A scenario, and its stations as they are while an arrival of the given timetable is dragged, as in the file."""
-
-    scenario: Scenario
-    stations: tuple[Mapping[str, Any], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +97,10 @@ def compute_line(scenario: Scenario, is_example: bool = False) -> LineRuns:
     return _with_given(shown, task) if has_given(scenario) else shown
 
 
-def compute_given(request: GivenRequest) -> WholeLine | str:
-    """Compute the line with a given timetable, or return why it cannot be kept."""
+def compute_given(scenario: Scenario, stations: Sequence[Mapping[str, Any]]) -> WholeLine | str:
+    """Compute the line with the given timetable of stations, as in its file, or return why it cannot be kept."""
     try:
-        return shared_line(prepare_task(request.scenario.replace(**{"line.stations": list(request.stations)})), "given")
+        return shared_line(prepare_task(scenario.replace(**{"line.stations": stations})), "given")
     except RailjouleError as refusal:
         return str(refusal)
 

@@ -21,7 +21,6 @@ from railjoule.dashboard.pages.line.charts import ENERGY, PATH, PRICE, SHARING_W
 from railjoule.dashboard.pages.line.compute import (
     EXAMPLE,
     EXAMPLE_TITLE,
-    GivenRequest,
     LineRuns,
     compute_given,
     compute_line,
@@ -222,7 +221,7 @@ class WholeLines(Page):
         number, arrival_s = self.moved
         scenario = self.desk.scenario.scenario()
         rows = station_rows(scenario.line, {number: {"arrival_s": arrival_s}})
-        return compute_given, GivenRequest(scenario, tuple(rows))
+        return compute_given, scenario, rows
 
     @param.depends("runs", "dragged", watch=True)
     def _show_given(self) -> None:

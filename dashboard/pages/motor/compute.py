@@ -1,7 +1,7 @@
 """A plan through the control loop of its motors, and the runs to compare with."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -30,20 +30,8 @@ RIVALS: tuple[str, ...] = ("eoc", "enoc")
 """The strategies that the paper compares."""
 DRAWN_POINTS = 120
 """Of a run in its machine's map, at most."""
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Maximum current and voltage of the inverter of one motor.
-
-    Parameters
-    ----------
-    max_phase_voltage_v, max_current_a : float
-        Amplitudes per phase [V, A].
-    """
-
-    max_phase_voltage_v: float
-    max_current_a: float
+Limits = Mapping[str, float]
+"""Maximum amplitudes per phase of the inverter of one motor: `max_phase_voltage_v` and `max_current_a` [V, A]."""
 
 
 @cache
@@ -60,9 +48,11 @@ def limits_of(scenario: Scenario) -> Limits | None:
     """Return the limits of a scenario's inverter; None where its drive has no induction machine."""
     drive = scenario.vehicle.drive
     if isinstance(drive, Induction):
-        return Limits(drive.max_phase_voltage_v, max(drive.starting_current_a, drive.braking_current_a))
+        current_a = max(drive.starting_current_a, drive.braking_current_a)
+        return {"max_phase_voltage_v": drive.max_phase_voltage_v, "max_current_a": current_a}
     if isinstance(drive, CopperLoss) and drive.machine is not None:
-        return Limits(drive.machine.max_phase_voltage_v, drive.machine.max_current_a)
+        machine = drive.machine
+        return {"max_phase_voltage_v": machine.max_phase_voltage_v, "max_current_a": machine.max_current_a}
     return None
 
 
@@ -73,56 +63,44 @@ def limit_changes(scenario: Scenario, limits: Limits) -> Mapping[str, float]:
     """
     drive = scenario.vehicle.drive
     if not isinstance(drive, Induction):
-        return {f"drive.machine.{name}": value for name, value in asdict(limits).items()}
+        return {f"drive.machine.{name}": value for name, value in limits.items()}
     currents = {
         "drive.starting_current_a": drive.starting_current_a,
         "drive.braking_current_a": drive.braking_current_a,
     }
-    largest, limit = max(currents.values()), limits.max_current_a
+    largest, limit = max(currents.values()), limits["max_current_a"]
     return {
-        "drive.max_phase_voltage_v": limits.max_phase_voltage_v,
+        "drive.max_phase_voltage_v": limits["max_phase_voltage_v"],
         **{key: limit if own == largest else min(own, limit) for key, own in currents.items()},
     }
 
 
-@dataclass(frozen=True)
-class LoopRequest:
-    """A scenario, the strategy that plans it, and controller and limits by the keys of the scenario's file."""
+def compute_loop_run(scenario: Scenario, strategy: str, changes: Mapping[str, Any]) -> FieldOrientedRun:
+    """Return the run of a strategy's plan through the loop.
 
-    scenario: Scenario
-    strategy: str
-    changes: Mapping[str, Any]
-
-    def in_loop(self) -> Scenario:
-        """Return the scenario with its controller; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.replace(strategy=self.strategy, **self.changes)
-
-    def plan(self, strategy: str | None = None) -> Trajectory:
-        """Return a plan, which does not depend on the limits under test in the loop."""
-        planned = self.scenario.replace(strategy=strategy or self.strategy)
-        with named_refusals(planned):
-            task = prepare_task(planned)
-            task.require_timetable()
-            return run_strategy(task, planned.strategy)
-
-
-@dataclass(frozen=True, eq=False)
-class LoopRun:
-    """A request and its run."""
-
-    request: LoopRequest
-    run: FieldOrientedRun
-
-
-def compute_loop_run(request: LoopRequest) -> LoopRun:
-    """Return a plan's run through the loop.
+    Parameters
+    ----------
+    scenario : Scenario
+    strategy : str
+        It plans without the limits under test in the loop.
+    changes : mapping
+        Controller and limits by the keys of the scenario's file.
 
     Raises
     ------
     RailjouleError
         If a value is out of its bounds, there is no such plan, or the drive has no machine.
     """
-    return LoopRun(request, simulate_field_oriented(request.in_loop(), request.plan()))
+    in_loop = scenario.replace(strategy=strategy, **changes)
+    return simulate_field_oriented(in_loop, _plan(scenario, strategy))
+
+
+def _plan(scenario: Scenario, strategy: str) -> Trajectory:
+    planned = scenario.replace(strategy=strategy)
+    with named_refusals(planned):
+        task = prepare_task(planned)
+        task.require_timetable()
+        return run_strategy(task, strategy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,66 +109,42 @@ class LoopRivals:
 
     Parameters
     ----------
-    run : FieldOrientedRun
-        The run itself.
-    with_precompensator, without_precompensator : FieldOrientedRun
-        The run and its like, one of them with the pre-compensator, the other without.
-    strategies : mapping
-        The paper's strategies through the same loop, as far as they take the scenario.
+    runs : mapping
+        By the names that charts give them: the `run` itself; the run `with` and `without` the pre-compensator, one of
+        which it is; the run with the `other flux`; the paper's strategies that take the scenario.
     refused : mapping
         Why a strategy does not take it.
     """
 
-    run: FieldOrientedRun
-    with_precompensator: FieldOrientedRun
-    without_precompensator: FieldOrientedRun
-    strategies: Mapping[str, FieldOrientedRun]
+    runs: Mapping[str, FieldOrientedRun]
     refused: Mapping[str, str]
 
-    @property
-    def named(self) -> Mapping[str, FieldOrientedRun]:
-        """All runs by the names that charts give them."""
-        return {
-            "run": self.run,
-            "with": self.with_precompensator,
-            "without": self.without_precompensator,
-            **{str(name): run for name, run in self.strategies.items()},
-        }
 
-
-def compute_rivals(loop: LoopRun) -> LoopRivals:
+def compute_rivals(run: FieldOrientedRun) -> LoopRivals:
     """Return the runs with which a run is compared; errors as `compute_loop_run`."""
-    scenario, run = loop.request.in_loop(), loop.run
-    ahead = scenario.simulation.precompensator
+    scenario, options = run.scenario, run.scenario.simulation
+    ahead = options.precompensator
     other = simulate_field_oriented(scenario.replace(**{"simulation.precompensator": not ahead}), run.planned)
-    strategies: dict[str, FieldOrientedRun] = {}
+    runs = {"run": run, **({"with": run, "without": other} if ahead else {"with": other, "without": run})}
+    flux = "constant" if options.flux == "min_loss" else "min_loss"
+    runs["other flux"] = simulate_field_oriented(scenario.replace(**{"simulation.flux": flux}), run.planned)
     refused: dict[str, str] = {}
     for name in RIVALS:
-        if name == loop.request.strategy:
+        if name == run.planned.strategy:
             # driven already: it is the run itself
-            strategies[name] = run
+            runs[name] = run
             continue
         try:
-            strategies[name] = simulate_field_oriented(scenario, loop.request.plan(name))
+            runs[name] = simulate_field_oriented(scenario, _plan(run.planned.scenario, name))
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             refused[name] = without_keys(str(refusal))
-    with_it, without = (run, other) if ahead else (other, run)
-    return LoopRivals(run, with_it, without, strategies, refused)
+    return LoopRivals(runs, refused)
 
 
-@dataclass(frozen=True, eq=False)
-class MachineMap:
-    """Efficiency of a machine over torque and speed, with the operating points of a run."""
-
-    run: FieldOrientedRun
-    map: MotorMap
-    points: OperatingPoints
-
-
-def compute_machine_map(run: FieldOrientedRun) -> MachineMap:
-    """Return the map of a run's machine with the run in it."""
+def compute_machine_map(run: FieldOrientedRun) -> tuple[MotorMap, OperatingPoints]:
+    """Return the map of a run's machine, and the run in it."""
     found = induction_map(run.scenario)
-    return MachineMap(run, found, spread_points(machine_points(run), found))
+    return found, spread_points(machine_points(run), found)
 
 
 def spread_points(points: OperatingPoints, over: MotorMap) -> OperatingPoints:

@@ -1,7 +1,6 @@
 """Motor: the plan through the control loop of its motors, with currents, flux, voltage and both energies."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import param
@@ -11,23 +10,16 @@ from railjoule.core import Scenario, load_scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.flux_sweep import FluxSweep
-from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.charts import quantities
-from railjoule.dashboard.charts.machine_map import MotorMapChart
-from railjoule.dashboard.charts.plot import DASHED, SOLID, AnyPlot, Plot, Stroke
-from railjoule.dashboard.charts.quantities import Quantity, read
-from railjoule.dashboard.charts.run_lines import Line, RowPlot
+from railjoule.dashboard.charts.plot import AnyPlot
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.tokens import DASHES
 from railjoule.dashboard.page import Hint, Page, Request, Section, shows, work
 from railjoule.dashboard.pages.motor import texts
+from railjoule.dashboard.pages.motor.charts import FLUX, MAP, OF_RIVALS, OF_RUN, OF_TRACKING, RIPPLE, LoopDiagram
 from railjoule.dashboard.pages.motor.compute import (
     MACHINE_SCENARIO,
+    RIVALS,
     Limits,
-    LoopRequest,
     LoopRivals,
-    LoopRun,
-    MachineMap,
     compute_flux_sweep,
     compute_loop_run,
     compute_machine_map,
@@ -37,7 +29,6 @@ from railjoule.dashboard.pages.motor.compute import (
     limits_of,
     scenario_with_motor,
 )
-from railjoule.dashboard.pages.motor.loop_diagram import LoopDiagram
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import button
 from railjoule.dashboard.parts.number_field import NumberField
@@ -63,115 +54,6 @@ LIMITS = ("max_phase_voltage_v", "max_current_a")
 EXAMPLE_NOTE = (
     "The data of {} describe no induction motor; the editor has them under Powertrain. The page shows an example."
 )
-
-
-# ---- figures
-
-
-def column(name: str, attribute: str, divisor: float = 1.0) -> Quantity:
-    """Return one of several quantities of a figure: caption, unit and digits are the figure's."""
-    return Quantity(name, "", "", 0, read(attribute, divisor))
-
-
-def of_rivals(quantity: Quantity) -> dict[str, Line]:
-    """Return a line for each of the paper's two strategies."""
-    rivals: tuple[str, ...] = ("eoc", "enoc")
-    return {of.upper(): Line(of, {"line_width": 1.8, "line_dash": DASHES[of]}, of, quantity) for of in rivals}
-
-
-TORQUE_CURRENT = column("torque_current", "torque_current_a")
-INPUT_ENERGY = column("input_energy", "energy_by_input_power_j", J_PER_KWH)
-SPEED = replace(quantities.SPEED, name="loop_speed", words="Speed over time, km/h", digits=2)
-OF_RUN = (
-    RowPlot(
-        "loop_speed",
-        SPEED,
-        {
-            "planned": Line("accent", {"line_width": 2.4}, "planned", quantities.SPEED),
-            "actual": Line("driven", DASHED, "run", quantities.SPEED),
-        },
-        (200, 250, 180),
-        ticks=5,
-    ),
-    RowPlot(
-        "loop_currents",
-        Quantity("loop_currents", "Currents of one motor, A", "A", 1, read("torque_current_a")),
-        {
-            "flux current": Line("phases", DASHED, "run", column("flux_current", "flux_current_a")),
-            "torque current": Line("accent", SOLID, "run", TORQUE_CURRENT),
-        },
-        (170, 200, 160),
-    ),
-    RowPlot(
-        "loop_voltage",
-        Quantity("loop_voltage", "Phase voltage of one motor, V", "V", 0, read("phase_voltage_v")),
-        {
-            "limit": Line("limit", {"line_width": 1.2}, "run", column("voltage_limit", "voltage_limit_v")),
-            "voltage": Line("accent", SOLID, "run", column("phase_voltage", "phase_voltage_v")),
-        },
-        (130, 150, 120),
-        last=True,
-    ),
-)
-OF_TRACKING = (
-    RowPlot(
-        "tracking",
-        Quantity("tracking", "Tracking error with and without pre-compensator, m", "m", 3, read("tracking_error_m")),
-        {"without": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
-        (120, 140, 120),
-    ),
-)
-OF_RIVALS = (
-    RowPlot(
-        "rival_current",
-        Quantity("rival_current", "EOC and ENOC: torque current of one motor, A", "A", 1, read("torque_current_a")),
-        of_rivals(TORQUE_CURRENT),
-        (140, 160, 130),
-    ),
-    RowPlot(
-        "rival_energy",
-        Quantity(
-            "rival_energy",
-            "EOC and ENOC: energy at the motors so far, kWh",
-            "kWh",
-            3,
-            read("energy_by_input_power_j", J_PER_KWH),
-        ),
-        of_rivals(INPUT_ENERGY),
-        (170, 200, 160),
-        digits=1,
-        last=True,
-    ),
-)
-MAP = Plot(
-    "machine_map",
-    "",
-    heights=(290, 340, 270),
-    chart=lambda height, palette: MotorMapChart(height, palette, "machine_map"),
-)
-RIPPLE = Plot(
-    "ripple",
-    "Switched current of one phase, A; dashed: averaged",
-    {"switched": Stroke("accent", {"line_width": 1.6}), "averaged": Stroke("driven", DASHED)},
-    x_title="Time, ms",
-    zero=True,
-    room=0.1,
-)
-FLUX = Plot(
-    "flux_sweep",
-    "Cruise, %: efficiency, power factor, voltage / limit, loss / loss at rated flux",
-    {
-        "efficiency": Stroke("accent", word="efficiency"),
-        "power factor": Stroke("phases", word="power factor"),
-        "loss": Stroke("ink2", word="loss"),
-        "voltage": Stroke("limit", word="voltage"),
-    },
-    (220, 260, 210),
-    x_title="Flux current of one motor, A",
-    ticks=5,
-    from_zero=True,
-    uprights={"least": "ink3"},
-)
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 16px 28px;
   padding: 8px 20px 12px 14px; align-items: start; }
@@ -183,7 +65,6 @@ DIAGRAM_CSS = """
 @media (max-width: 899px) { :host { position: static; padding: 10px 14px 8px; } }
 """
 COLUMN_CSS = ":host { row-gap: 6px; }"
-# ---- the page
 
 
 class Motor(Page):
@@ -216,9 +97,9 @@ class Motor(Page):
         "Cruise speed, km/h", "km/h", 1, default=CRUISE_KMH, bounds=(1.0, 500.0), softbounds=(1, 100), step=1
     )
 
-    loop = result(LoopRun, "The last good run.")
+    run = result(FieldOrientedRun, "The last good run.")
     rivals = result(LoopRivals, "Runs to compare with.")
-    machine_map = result(MachineMap, "Efficiency and run.")
+    machine_map = result(tuple, "Efficiency and run.")
     ripple = result(Ripple, "Current under switched voltage.")
     flux_sweep = result(FluxSweep, "Cruise over the flux current.")
 
@@ -226,11 +107,6 @@ class Motor(Page):
         super().__init__(desk, **params)
         # without them, the limits of the scenario would differ from those of a new page
         self.take(desk.scenario.base)
-
-    @property
-    def run(self) -> FieldOrientedRun | None:
-        """The run that is shown."""
-        return None if self.loop is None else self.loop.run
 
     def part(self, scenario: Scenario) -> object:
         """Return the drive and its control."""
@@ -242,7 +118,7 @@ class Motor(Page):
         limits = limits_of(scenario)
         self.param.update(
             **{name: getattr(scenario.simulation, name) for name in CONTROL},
-            **{name: None if limits is None else getattr(limits, name) for name in LIMITS},
+            **(limits or dict.fromkeys(LIMITS)),
             cruise_speed_kmh=min(CRUISE_KMH, scenario.vehicle.traction.max_speed_kmh),
         )
 
@@ -262,7 +138,7 @@ class Motor(Page):
     def _limits(self) -> Limits | None:
         if self.max_phase_voltage_v is None or self.max_current_a is None:
             return None
-        return Limits(float(self.max_phase_voltage_v), float(self.max_current_a))
+        return {name: float(getattr(self, name)) for name in LIMITS}
 
     def page_run(self) -> PageRun:
         """Return the run in closed loop as a program; with other limits than the plan's, in two steps."""
@@ -278,51 +154,47 @@ class Motor(Page):
             "ride = simulate(loop, solve(scenario))\nprint(ride.actual.energy_kwh)\n"
         )
         program_note = (
-            f"The page tries {tried.max_phase_voltage_v:g} V and {tried.max_current_a:g} A on a plan that does not "
-            "know of them. A scenario file has one set of limits, for the plan and for the motors."
+            f"The page tries {tried['max_phase_voltage_v']:g} V and {tried['max_current_a']:g} A on a plan that does "
+            "not know of them. A scenario file has one set of limits, for the plan and for the motors."
         )
         program = Program({**SOLVE.imports, **IN_CLOSED_LOOP.imports}, body, "")
         return PageRun(program, {"strategy": self.desk.chosen}, program_note)
 
     # ---- what it computes
 
-    def _request(self) -> LoopRequest:
-        shown = scenario_with_motor(self.desk.scenario.scenario())
-        return LoopRequest(shown, shown.strategy if self.is_example else self.desk.chosen, self.changes)
-
     @work(
         *("scenario", "desk.chosen", *CONTROL, *LIMITS),
-        into="loop",
+        into="run",
         marked=True,
-        is_slow=lambda request: is_slow(request.scenario, request.strategy),
+        is_slow=lambda scenario, strategy, _: is_slow(scenario, strategy),
         only_last=False,
     )
-    def _loop(self) -> Request:
-        return compute_loop_run, self._request()
+    def _run(self) -> Request:
+        shown = scenario_with_motor(self.desk.scenario.scenario())
+        return compute_loop_run, shown, shown.strategy if self.is_example else self.desk.chosen, self.changes
 
-    @work("loop", into="rivals")
+    @work("run", into="rivals")
     def _rivals(self) -> Request:
-        return self.loop and (compute_rivals, self.loop)
+        return self.run and (compute_rivals, self.run)
 
-    @work("loop", into="machine_map")
+    @work("run", into="machine_map")
     def _map(self) -> Request:
-        return self.loop and (compute_machine_map, self.run)
+        return self.run and (compute_machine_map, self.run)
 
-    @work("loop", "ripple_at_s", into="ripple", clears=True)
+    @work("run", "ripple_at_s", into="ripple", clears=True)
     def _ripple(self) -> Request:
-        return self.loop and (compute_ripple, self.run, float(self.ripple_at_s))
+        return self.run and (compute_ripple, self.run, float(self.ripple_at_s))
 
-    @work("loop", "cruise_speed_kmh", into="flux_sweep", clears=True)
+    @work("run", "cruise_speed_kmh", into="flux_sweep", clears=True)
     def _flux(self) -> Request:
-        return self.loop and (compute_flux_sweep, self.loop.run.scenario, float(self.cruise_speed_kmh))
+        return self.run and (compute_flux_sweep, self.run.scenario, float(self.cruise_speed_kmh))
 
     # ---- what it shows
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.finding, self.numbers, self.held, self.account, self.refusals, self.notes, self.example, self.fluxes = (
-            parts.html_pane() for _ in range(8)
-        )
+        self.finding, self.numbers, self.held, self.account, self.compared = (parts.html_pane() for _ in range(5))
+        self.refusals, self.notes, self.example, self.fluxes = (parts.html_pane() for _ in range(4))
         self.at = NumberField(self, "ripple_at_s")
         self.cruise = NumberField(self, "cruise_speed_kmh", check=self._within_top_speed)
         title = load_scenario(MACHINE_SCENARIO).title
@@ -334,6 +206,7 @@ class Motor(Page):
             self.finding,
             self.numbers,
             self.held,
+            self.compared,
             parts.stack(LoopDiagram(), css=DIAGRAM_CSS),
             parts.stack(
                 self._column(speed, *OF_TRACKING, *others),
@@ -350,7 +223,7 @@ class Motor(Page):
         hosts = (one if isinstance(one, Viewable) else self.host.plots[one.name].host for one in content)
         return parts.stack(*hosts, css=COLUMN_CSS)
 
-    @shows("loop", "failure", "scenario")
+    @shows("run", "failure", "scenario")
     def _show_run(self) -> None:
         run, own = self.run, self.desk.scenario.edited
         self.of_example.visible = self.is_example
@@ -368,28 +241,38 @@ class Motor(Page):
         self.cruise.set_ends((1.0, run.scenario.vehicle.traction.max_speed_kmh))
         bands = [(span.start_s, span.end_s) for span in run.saturated]
         host.draw(OF_RUN, {"run": run, "planned": run.planned}, bands)
-        self.finding.object = texts.finding(run)
         self.numbers.object = parts.figures(texts.run_figures(run), self.failure is not None)
         self.held.object = texts.held_words(run)
         self.account.object = texts.parts_table(run)
         self.notes.object = parts.note_paragraphs((*run.planned.notes, *run.notes))
+
+    @shows("run", "rivals")
+    def _show_finding(self) -> None:
+        run, runs = self.run, self.rivals and self.rivals.runs
+        if run is not None:
+            # before they come, the last ones are those of another run
+            other_flux = runs["other flux"] if runs and runs["run"] is run else None
+            self.finding.object = texts.finding(run, other_flux)
 
     @shows("rivals")
     def _show_rivals(self) -> None:
         rivals = self.rivals
         if rivals is None:
             return
+        run, is_compared = rivals.runs["run"], any(name in rivals.runs for name in RIVALS)
         for plot in OF_RIVALS:
-            self.host.plots[plot.name].host.visible = bool(rivals.strategies)
-        bands = [(span.start_s, span.end_s) for span in rivals.run.saturated]
-        self.host.draw((*OF_TRACKING, *(OF_RIVALS if rivals.strategies else ())), rivals.named, bands)
+            self.host.plots[plot.name].host.visible = is_compared
+        bands = [(span.start_s, span.end_s) for span in run.saturated]
+        self.host.draw((*OF_TRACKING, *(OF_RIVALS if is_compared else ())), rivals.runs, bands)
+        self.compared.object = texts.rivals_table(rivals.runs)
         refused = (words.about(words.STRATEGY_WORDS[name], why) for name, why in rivals.refused.items())
         self.refusals.object = parts.note_paragraphs(refused, "padding-left:6px")
 
     @shows("machine_map")
     def _show_map(self) -> None:
         if self.machine_map is not None:
-            self.host.draw([MAP], self.machine_map.map, "motor", self.machine_map.points)
+            found, points = self.machine_map
+            self.host.draw([MAP], found, "motor", points)
 
     @shows("ripple", "failure")
     def _show_ripple(self) -> None:

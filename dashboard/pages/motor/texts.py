@@ -1,14 +1,17 @@
 """Numbers, sentences and tables of a run through the control loop."""
 
+from collections.abc import Mapping
+
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
-from railjoule.dashboard.pages.motor.compute import limits_of
+from railjoule.dashboard.pages.motor.compute import RIVALS, limits_of
 from railjoule.dashboard.parts import html as parts
 
 SMALL_LENGTH_M = 0.1
+FLUX_WORDS = {"constant": "constant rotor flux", "min_loss": "rotor flux of least loss"}
 LIMIT_WORDS = {"current": "The current limit", "voltage": "The voltage limit"}
 
 
@@ -19,43 +22,77 @@ def length(metres: float) -> tuple[str, str]:
     return words.number(metres, 2), "m"
 
 
-def finding(run: FieldOrientedRun) -> Markup:
-    """Return the finding in numbers: energy against the plan, and the use of the inverter."""
-    more, limits = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh), _limits(run)
-    voltage, current = (
-        words.number(100 * share, 0) for share in (run.max_phase_voltage_v / limits[0], run.max_current_a / limits[1])
-    )
-    least = "\u201cLeast loss\u201d as rotor flux, in the sidebar, reduces the magnetising loss."
+def finding(run: FieldOrientedRun, other_flux: FieldOrientedRun | None = None) -> Markup:
+    """Return the finding in numbers: energy against the plan, the use of the inverter, and the other rotor flux."""
+    more, planned_kwh = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh), run.planned.energy_kwh
+    voltage, current = (words.number(100 * share, 0) for share in _use(run))
+    flux = ""
+    if other_flux is not None:
+        change = comparisons.above(other_flux.actual.energy_kwh, run.actual.energy_kwh)
+        needs = f"{words.energy(other_flux.actual.energy_kwh)} kWh, {change.size} {change.unit}"
+        name = FLUX_WORDS[other_flux.scenario.simulation.flux].capitalize()
+        flux = f"{name}, a choice of the sidebar, needs {needs} {'less' if change.is_less else 'more'}."
     return parts.finding(
         f"With its motors under control, the train needs {words.energy(run.actual.energy_kwh)} kWh, {more.sentence} "
-        f"the plan\u2019s {words.energy(run.planned.energy_kwh)} kWh; magnetising the motors takes "
+        f"the plan\u2019s {words.energy(planned_kwh)} kWh; magnetising the motors takes "
         f"{words.energy(run.magnetising_loss_kwh)} kWh. "
         f"The inverter gives up to {voltage} % of its voltage and {current} % of its current.",
-        least if run.scenario.simulation.flux == "constant" else "",
+        flux,
     )
 
 
-def _limits(run: FieldOrientedRun) -> tuple[float, float]:
-    limits = limits_of(run.scenario)
-    assert limits is not None
-    return limits.max_phase_voltage_v, limits.max_current_a
+def _use(run: FieldOrientedRun) -> tuple[float, float]:
+    """Return peak voltage and current over the limits of the inverter."""
+    volts, amperes = (limits_of(run.scenario) or {}).values()
+    return run.max_phase_voltage_v / volts, run.max_current_a / amperes
 
 
 def run_figures(run: FieldOrientedRun) -> list[str]:
     """Return the numbers of a run."""
     # both from the supply: the motors' net energy counts braking energy that the supply may not take back
-    amount, (volts, amperes) = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh), _limits(run)
+    amount = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh)
     planned, without = words.energy(run.planned.energy_kwh), words.energy(run.paper_energy_kwh)
     at_end = f"{' '.join(length(run.stop_error_m))}, {words.delay(run.delay_s)} s at the end"
+    volts, amperes = (f"limit {words.number(limit, 0)}" for limit in (limits_of(run.scenario) or {}).values())
     return [
         parts.figure(
             "Energy", words.energy(run.actual.energy_kwh), "kWh", f"{amount.sentence} the plan, {planned} kWh", "main"
         ),
         parts.figure("Magnetising loss", words.energy(run.magnetising_loss_kwh), "kWh", f"{without} without it"),
         parts.figure("Tracking error", *length(run.max_tracking_error_m), at_end),
-        parts.figure("Peak current", words.number(run.max_current_a, 0), "A", f"limit {words.number(amperes, 0)}"),
-        parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", f"limit {words.number(volts, 0)}"),
+        parts.figure("Peak current", words.number(run.max_current_a, 0), "A", amperes),
+        parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", volts),
     ]
+
+
+def rivals_table(runs: Mapping[str, FieldOrientedRun]) -> Markup:
+    """Return a run beside those with which it is compared, by their names in `LoopRivals`."""
+    run, flux = runs["run"], runs["other flux"].scenario.simulation.flux
+    ahead = run.scenario.simulation.precompensator
+    named = {
+        f"This run, {words.strategy(run.planned.strategy)}": run,
+        f"with {FLUX_WORDS[flux]}": runs["other flux"],
+        "without pre-compensator" if ahead else "with pre-compensator": runs["without" if ahead else "with"],
+        **{f"by {words.strategy(name)}": runs[name] for name in RIVALS if runs.get(name, run) is not run},
+    }
+    rows = [
+        (
+            (
+                name,
+                words.energy(one.actual.energy_kwh),
+                comparisons.above(one.actual.energy_kwh, run.actual.energy_kwh).cell,
+                words.energy(one.magnetising_loss_kwh),
+                " ".join(length(one.max_tracking_error_m)),
+                words.number(one.max_current_a, 0),
+                words.number(one.max_phase_voltage_v, 0),
+            ),
+            one is run,
+        )
+        for name, one in named.items()
+    ]
+    head = ("Run", "kWh", "vs this run, %", "magnetising, kWh", "tracking error", "peak A", "peak V")
+    table = '<div class="wide-table wraps" tabindex="0" role="region" aria-label="Compared runs">{}</div>'
+    return markup('<div style="padding:0 20px 10px">{}</div>', markup(table, parts.table("Compared runs", head, rows)))
 
 
 def held_words(run: FieldOrientedRun) -> Markup:

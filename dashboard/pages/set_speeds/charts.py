@@ -11,7 +11,7 @@ from railjoule.core import Trajectory
 from railjoule.core.strategies.set_speed_run import MIN_LIMIT_KMH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.axis import Axis
-from railjoule.dashboard.charts.machine_map import MotorMapChart
+from railjoule.dashboard.charts.level_map import MotorMapChart
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION

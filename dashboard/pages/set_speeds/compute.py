@@ -40,18 +40,6 @@ LARGEST_SIZE_SHARE, SIZES = 1.5, 25
 """The curve of storages ends at this many times the size needed."""
 
 
-@dataclass(frozen=True)
-class LimitsRequest:
-    """A scenario, and its sections and search by the keys of the scenario's file."""
-
-    scenario: Scenario
-    changes: Mapping[str, Any]
-
-    def limited(self) -> Scenario:
-        """Return the scenario with its sections; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.replace(**self.changes)
-
-
 @dataclass(frozen=True, eq=False)
 class LimitRun:
     """A run under limits and the optimum over the same time.
@@ -89,15 +77,15 @@ class LimitRun:
         return self.search.best.boundaries_m
 
 
-def compute_limit_run(request: LimitsRequest) -> LimitRun:
-    """Return the run under limits, given or found by search.
+def compute_limit_run(scenario: Scenario, changes: Mapping[str, Any]) -> LimitRun:
+    """Return the run under limits, given or found by search; `changes` has them by the keys of the file.
 
     Raises
     ------
     RailjouleError
         If a limit or border is out of bounds, the timetable cannot be kept or the line not be passed.
     """
-    scenario = request.limited()
+    scenario = scenario.replace(**changes)
     with named_refusals(scenario):
         run, search = speed_limits_with_search(prepare_task(scenario))
     optimum, reason = optimum_over(scenario, run.travel_time_s)
@@ -181,15 +169,15 @@ class LimitTrip:
     travel_time_s: float
 
 
-def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
-    """Return the trip under given limits, or None if only a whole run gives it.
+def compute_limit_trip(scenario: Scenario, changes: Mapping[str, Any]) -> LimitTrip | None:
+    """Return the trip under limits given by the keys of the file, or None if only a whole run gives it.
 
     Raises
     ------
     RailjouleError
         If a limit or border is out of bounds or the line cannot be passed.
     """
-    scenario = request.limited()
+    scenario = scenario.replace(**changes)
     limits, options = scenario.search.limits_kmh, scenario.search
     if limits is None or options.regulator == "literal":
         return None

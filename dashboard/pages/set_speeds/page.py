@@ -22,7 +22,6 @@ from railjoule.dashboard.pages.set_speeds.charts import MAP, OTHERS, SAVED, SPEE
 from railjoule.dashboard.pages.set_speeds.compute import (
     InterStationRuns,
     LimitRun,
-    LimitsRequest,
     LimitTrip,
     MapRequest,
     StorageCurve,
@@ -58,6 +57,8 @@ SPEEDS, LOSSES = "speeds", "losses"
 TABS: Mapping[str, str] = {SPEEDS: "Set speeds", LOSSES: "Losses and storage"}
 """The tabs by their names in the address."""
 STORAGE = ("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent")
+Settings = tuple[Scenario, Mapping[str, Any]]
+"""A scenario, with sections and search by the keys of its file."""
 LOWER_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
   padding: 14px 20px 12px 14px; align-items: start; }
@@ -124,9 +125,9 @@ class SetSpeeds(Page):
 
     def __init__(self, *args: Any, **params: Any) -> None:
         self._items, self._settling = Items(self._take_section), False
-        self._asked: LimitsRequest | None = None
+        self._asked: Settings | None = None
         # the request that its own result would lead to, and the one that led to the result
-        self._settled: tuple[LimitsRequest | None, LimitsRequest | None] = (None, None)
+        self._settled: tuple[Settings | None, Settings | None] = (None, None)
         super().__init__(*args, **params)
 
     # ---- the sections
@@ -307,27 +308,25 @@ class SetSpeeds(Page):
 
     # ---- what it computes
 
-    def _request(self) -> LimitsRequest:
-        return LimitsRequest(self.desk.scenario.scenario(), self.changes)
+    def _request(self) -> Settings:
+        return self.desk.scenario.scenario(), self.changes
 
     @work(
         *("scenario", "sections", "typed", "found", *SEARCH, "moving"),
         into="run",
         marked=True,
-        is_slow=lambda request: (
-            request.changes["search.regulator"] == "literal" or is_slow(request.scenario, "speed_limits")
-        ),
+        is_slow=lambda scenario, changes: changes["search.regulator"] == "literal" or is_slow(scenario, "speed_limits"),
         only_last=False,
     )
     def _run(self) -> Request:
         if not self.moving and not self._settling:
             request, (after, before) = self._request(), self._settled
             self._asked = before if request == after else request
-        return None if self._asked is None else (compute_limit_run, self._asked)
+        return None if self._asked is None else (compute_limit_run, *self._asked)
 
     @work("moved", "moving", into="trip", only_last=False)
     def _trip(self) -> Request:
-        return (compute_limit_trip, self._request()) if self.moving else None
+        return (compute_limit_trip, *self._request()) if self.moving else None
 
     @work("path", into="comparison", is_slow=lambda *_: True, clears=True)
     def _comparison(self) -> Request:

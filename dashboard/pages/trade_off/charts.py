@@ -1,26 +1,26 @@
 """The charts of the trade-off: the frontier with the strategies beside it, and ENOC's contours."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from operator import methodcaller
 from typing import Any
 
 import numpy as np
 from bokeh.events import Pan, Tap
-from bokeh.models import ContourRenderer, Span
-from bokeh.plotting.contour import contour_data
+from bokeh.models import HoverTool, Span
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
 from railjoule.dashboard.charts.chart import no_grid
-from railjoule.dashboard.charts.dress import ink_on, line_style
+from railjoule.dashboard.charts.dress import line_style, point_tip
 from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.names import Box, Name, is_clear
+from railjoule.dashboard.charts.level_map import LevelMap
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.run_lines import NAMES
-from railjoule.dashboard.charts.surface import CIVIDIS, round_step
+from railjoule.dashboard.charts.surface import round_step
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.trade_off.compute import EnocMap, EnocPoint, TradeOff
+from railjoule.dashboard.pages.trade_off.compute import EnocPoint, TradeOff
 
 TIME_TITLE = "Travel time, s"
 MAX_LEVELS = 10
@@ -29,6 +29,13 @@ BEFORE_SHARE, TANGENT_SHARE = 0.04, 0.09
 FAR_BELOW_AND_ABOVE = (-1e3, 1e4)
 """Ends of the hatched area of impossible times, beyond any energy [kWh] on the axis."""
 WHITE_LINE: Mapping[str, Any] = {"line_color": "#FFFFFF"}
+TIP = (
+    ("Travel time", "@x{0.0} s"),
+    ("Least energy", "@y{0.000} kWh"),
+    ("Against the present time", "@more{+0.000} kWh"),
+    ("One more second saves", "@price{0.0} Wh"),
+)
+"""Words and columns of a point of the frontier under the mouse."""
 MARK_PX = 6
 """Half the size of the marks that names keep clear of."""
 SIGNED = (0.02, 0.93)
@@ -55,6 +62,7 @@ class FrontierChart(LoneChart):
             hatch_scale=8,
             hatch_alpha=0.4,
         ),
+        methodcaller("source", "optimal", "x", "y", "more", "price"),
         *(methodcaller("line", name, name, **line_style(name)) for name in ("enoc", "optimal")),
         methodcaller("line", "tangent", "ink", line_width=1),
         methodcaller("dots", "printed", "surface", "enoc", marker="diamond", size=10, line_width=1.5),
@@ -77,6 +85,8 @@ class FrontierChart(LoneChart):
         self.palette.paint(self.now, line_color="line2")
         assert self.figure is not None
         self.figure.add_layout(self.now)
+        optimum = [drawn for drawn in self.figure.renderers if drawn.data_source is self.sources["optimal"]]
+        self.figure.add_tools(HoverTool(renderers=optimum, mode="vline", tooltips=point_tip(*TIP), visible=False))
         for kind in (Tap, Pan):
             self.figure.on_event(kind, self._set_time)
 
@@ -108,7 +118,8 @@ class FrontierChart(LoneChart):
             nice_range(float(np.nanmin(all_energies)), float(np.nanmax(all_energies))),
         )
         self.put("impossible", left=[0.0], right=[shortest])
-        self.put("optimal", **xy(time, energy))
+        more = energy - trade_off.frontier.energy_kwh_at(now)
+        self.put("optimal", **columns(x=time, y=energy, more=more, price=trade_off.frontier.price_of_time_wh_per_s))
         self.put("enoc", **xy(enoc_time, enoc))
         self.put("between", **columns(x=enoc_time, low=below_enoc, high=enoc))
         sides = TANGENT_SHARE * float(time[-1] - time[0]) * np.array([-1.0, 1.0])
@@ -146,11 +157,9 @@ class FrontierChart(LoneChart):
         self.place_names({**lines, "now": frame.upright(now[0])}, names, dots)
 
 
-# Bokeh's own contours: measured, they take 3 ms for a new map, HoloViews' 56 ms
-class ContourChart(LoneChart):
+class ContourChart(LevelMap):
     """ENOC's energy over travel time and acceleration time, as contours."""
 
-    kind = "map"
     look: Mapping[str, Any] = {"ticks": 5, "x_title": TIME_TITLE, "y_title": "Acceleration time, s"}
     layers = (
         no_grid,
@@ -165,7 +174,6 @@ class ContourChart(LoneChart):
             line_width=1.5,
             **WHITE_LINE,
         ),
-        methodcaller("coloured_signs", "signs", text_align="center", text_baseline="middle"),
         methodcaller(
             *("glyphs", "scatter", "point", "x", "y"),
             paint={"fill_color": "accent"},
@@ -174,79 +182,20 @@ class ContourChart(LoneChart):
             **WHITE_LINE,
         ),
     )
-
-    def build(self) -> None:
-        """Make the figure."""
-        super().build()
-        self.contours: ContourRenderer | None = None
-        self.drawn: EnocMap | None = None
+    tip = (("Energy", "@image{0.00} kWh"), ("Travel time", "$x{0.0} s"), ("Acceleration time", "$y{0.0} s"))
 
     def draw(self, trade_off: TradeOff, now: EnocPoint | None) -> None:
         """Draw contours, valley, the present run and the printed ones."""
         enoc_map = trade_off.enoc_map
-        assert self.figure is not None
         if enoc_map is None:
             return
-        time, ramp = enoc_map.travel_time_s, enoc_map.acceleration_time_s
-        if self.drawn is not enoc_map:
-            self._draw_map(enoc_map)
-        self.set_ranges((float(time[0]), float(time[-1])), (float(ramp[0]), float(ramp[-1])))
-        self.put("valley", **xy(time, enoc_map.best_acceleration_s))
+        levels = contour_levels(enoc_map.energy_kwh)
+        texts = [f"{level:g}" for level in levels[1:-1]]
+        self.draw_map(enoc_map.travel_time_s, enoc_map.acceleration_time_s, enoc_map.energy_kwh, levels, texts)
+        self.put("valley", **xy(enoc_map.travel_time_s, enoc_map.best_acceleration_s))
         self.put("point", **points([(now.travel_time_s, now.acceleration_time_s)] if now else []))
         printed = trade_off.printed_points(everywhere=True)
         self.put("printed", **columns(x=printed[0], y=printed[1], energy=printed[2]))
-
-    def _draw_map(self, enoc_map: EnocMap) -> None:
-        """Draw the contours: with as many levels as before only their data change, which is far cheaper."""
-        f = self.figure
-        assert f is not None
-        levels = contour_levels(enoc_map.energy_kwh)
-        colours = [CIVIDIS[round(k * (len(CIVIDIS) - 1) / max(len(levels) - 2, 1))] for k in range(len(levels) - 1)]
-        # contours leave holes where nothing is known: those are filled like the highest energies
-        filled = np.clip(np.nan_to_num(enoc_map.energy_kwh, nan=levels[-1]), levels[0], levels[-1] * (1 - 1e-9))
-        given = enoc_map.travel_time_s, enoc_map.acceleration_time_s, filled, levels
-        if self.contours is not None and len(self.contours.levels) == len(levels):
-            self.contours.set_data(contour_data(*given))
-        else:
-            if self.contours is not None:
-                f.renderers.remove(self.contours)
-            self.contours = f.contour(*given, fill_color=colours, line_color="#FFFFFF", line_alpha=0.35, line_width=0.8)
-            self.contours.level = "underlay"
-        self._sign_levels(enoc_map, levels, colours)
-        self.drawn = enoc_map
-
-    def _sign_levels(self, enoc_map: EnocMap, levels: list[float], colours: list[str]) -> None:
-        """Write each level on its line, in black or white, as high up as it is clear of the other levels."""
-        time, ramp = enoc_map.travel_time_s, enoc_map.acceleration_time_s
-        frame = self.frame_over((float(time[0]), float(time[-1])), (float(ramp[0]), float(ramp[-1])))
-        signs: dict[str, list[Any]] = {"x": [], "y": [], "text": [], "colour": []}
-        taken: list[Box] = []
-        for k, level in enumerate(levels[1:-1], 1):
-            text = f"{level:g}"
-            place = next(
-                (
-                    (x, y, box)
-                    for x, y in _crossings(enoc_map, level)
-                    if is_clear(box := frame.box(x, y, text, 11, "center", -7.0), taken, frame)
-                ),
-                None,
-            )
-            if place is not None:
-                x, y, box = place
-                taken.append(box)
-                for key, value in zip(signs, (x, y, text, ink_on(colours[k])), strict=True):
-                    signs[key].append(value)
-        self.put("signs", **signs)
-
-
-def _crossings(enoc_map: EnocMap, level: float) -> Iterator[tuple[float, float]]:
-    """Yield where the line of an energy crosses the rows of the map, from above."""
-    time, ramp, rows = enoc_map.travel_time_s, enoc_map.acceleration_time_s, len(enoc_map.acceleration_time_s)
-    for row in range(int(0.92 * (rows - 1)), int(0.1 * (rows - 1)), -1):
-        energies = enoc_map.energy_kwh[row]
-        crossing = np.flatnonzero(np.diff(np.sign(energies - level)))
-        if len(crossing):
-            yield float(time[crossing[-1]]), float(ramp[row])
 
 
 def time_ends(trade_off: TradeOff, runs: Iterable[Trajectory]) -> tuple[float, float]:

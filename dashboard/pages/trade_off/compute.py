@@ -57,16 +57,6 @@ class EnocPoint:
     max_speed_kmh: float
 
 
-@dataclass(frozen=True)
-class TradeOffRequest:
-    """A scenario, the longest time to look at [s], and what ENOC's map shall show."""
-
-    scenario: Scenario
-    longest_time_s: float
-    wide_map: bool
-    copper_weight: float
-
-
 @dataclass(frozen=True, eq=False)
 class TradeOff:
     """The energy-time frontier of a scenario and, on plain lines, ENOC's map.
@@ -158,30 +148,41 @@ WIDE_MAP_S = ((600.0, 5000.0), (10.0, 250.0))
 """Travel and acceleration times of Figure 6a of Ftorek 2025 [s]."""
 
 
-def compute_trade_off(request: TradeOffRequest) -> TradeOff:
+def compute_trade_off(scenario: Scenario, longest_time_s: float, wide_map: bool, copper_weight: float) -> TradeOff:
     """Return the frontier of a scenario and, on plain lines, ENOC's curve and map.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its own travel time does not matter.
+    longest_time_s : float
+        The end of the frontier, or earlier [s].
+    wide_map : bool
+        Whether ENOC's map has the times of the paper's figure.
+    copper_weight : float
+        Copper loss of that map over the vehicle's own.
 
     Raises
     ------
     RailjouleError
         If the line cannot be run over at all.
     """
-    task = prepare_task(request.scenario)
+    task = prepare_task(scenario)
     # at least as far as the slider of the travel time goes: TIMETABLE_RANGE in state/scenario.py
-    share = max(2.0, (request.longest_time_s - task.dwell_s) / task.shortest_time_s)
+    share = max(2.0, (longest_time_s - task.dwell_s) / task.shortest_time_s)
     frontier = energy_time_frontier(task, frontier_times(task, longest_share=share))
     try:
         line = plain_line(task)
     except StrategyRefusedError as refusal:
-        return TradeOff(request.scenario, frontier, None, None, None, str(refusal))
+        return TradeOff(scenario, frontier, None, None, None, str(refusal))
     # only for the map: ENOC's curve and single points keep the vehicle's own loss
-    weighted = replace(line, loss_coefficient=line.loss_coefficient * request.copper_weight)
+    weighted = replace(line, loss_coefficient=line.loss_coefficient * copper_weight)
     return TradeOff(
-        scenario=request.scenario,
+        scenario=scenario,
         frontier=frontier,
         enoc=enoc_frontier(task, frontier.travel_time_s),
         coefficients=enoc_coefficients(line),
-        enoc_map=_enoc_map(enoc_coefficients(weighted), None if request.wide_map else task.shortest_time_s),
+        enoc_map=_enoc_map(enoc_coefficients(weighted), None if wide_map else task.shortest_time_s),
         refusal="",
     )
 

@@ -17,7 +17,7 @@ from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import Page, Request, shows, work
 from railjoule.dashboard.pages.trade_off import texts
 from railjoule.dashboard.pages.trade_off.charts import TIME_TITLE, ContourChart, FrontierChart, time_ends
-from railjoule.dashboard.pages.trade_off.compute import EnocPoint, TradeOff, TradeOffRequest, compute_trade_off
+from railjoule.dashboard.pages.trade_off.compute import EnocPoint, TradeOff, compute_trade_off
 from railjoule.dashboard.pages.trade_off.surface import SurfacePane
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons
@@ -84,13 +84,13 @@ class TradeOffPage(Page):
         scenario = self.desk.scenario.scenario().replace(
             **{"timetable.travel_time_s": longest_s, "enoc.acceleration_time_s": None}
         )
-        return compute_trade_off, TradeOffRequest(scenario, longest_s, self.wide_map, float(self.copper_weight))
+        return compute_trade_off, scenario, longest_s, self.wide_map, float(self.copper_weight)
 
     # ---- what it shows
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.table, self.refused, self.notes = (parts.html_pane() for _ in range(3))
+        self.table, self.times, self.refused, self.notes = (parts.html_pane() for _ in range(4))
         plots = self.host.plots
         plots["frontier"].on_time = lambda time_s: self.desk.scenario.param.update(travel_time_s=time_s)
         self.invitation = parts.stack(self.refused, self._open_button(), visible=False)
@@ -115,7 +115,7 @@ class TradeOffPage(Page):
             visible=False,
         )
         left = parts.stack(plots["frontier"].host, plots["share"].host)
-        right = parts.stack(self.table, self.invitation, self.enoc)
+        right = parts.stack(self.times, self.table, self.invitation, self.enoc)
         return parts.stack(self.host.figures, parts.stack(left, right, css=LAYOUT_CSS), self.notes)
 
     def _open_button(self) -> pmui.Button:
@@ -154,6 +154,7 @@ class TradeOffPage(Page):
         enoc = trade_off.enoc_point(best.travel_time_s, self.desk.scenario.acceleration_time_s)
         self.host.figures.object = parts.figures(texts.trade_off_figures(trade_off, best, enoc))
         self.table.object = texts.runs_table(trade_off, runs, enoc)
+        self.times.object = texts.times_table(trade_off, best)
         others = {name: run for name, run in runs.runs.items() if run is not best}
         self.host.draw([FRONTIER], trade_off, best, others)
         refusal = trade_off.enoc_refusal(best.travel_time_s)

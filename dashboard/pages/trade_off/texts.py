@@ -1,5 +1,7 @@
 """Numbers and the table of the trade-off."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from railjoule.core import Trajectory
@@ -11,6 +13,8 @@ from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.work.runs import Runs
 
 HINT = "Tick strategies in the list of strategies to add them."
+STEPS_S = (-60, -30, -10, 0, 10, 30, 60, 120)
+"""Changes of the travel time in the table of least energies."""
 LEAST_RAMP_DIFFERENCE_S = 0.05
 """Two acceleration times that are closer read the same in tenths."""
 
@@ -48,18 +52,40 @@ def trade_off_figures(trade_off: TradeOff, best: Trajectory, enoc: EnocPoint | N
 
 def _changed(trade_off: TradeOff, best: Trajectory, factor: float, label: str) -> Markup:
     """Return the change of the minimum energy in a multiple of the present time."""
-    frontier, time = trade_off.frontier, factor * best.travel_time_s
-    # the frontier's mesh may be coarser than that of the run, so only its differences count
-    more_kwh = frontier.energy_kwh_at(time) - frontier.energy_kwh_at(best.travel_time_s)
-    energy_kwh = best.energy_kwh + more_kwh
-    if time < frontier.shortest_travel_time_s:
+    time = factor * best.travel_time_s
+    energy_kwh = _energy_kwh(trade_off, best, time)
+    if time < trade_off.frontier.shortest_travel_time_s:
         value, unit, detail = words.UNKNOWN, "", f"{words.time(time)} s is too short"
-    elif not np.isfinite(more_kwh):
+    elif not np.isfinite(energy_kwh):
         value, unit, detail = words.UNKNOWN, "", f"not known in {words.time(time)} s"
     else:
         value, unit = comparisons.above(energy_kwh, best.energy_kwh)
         detail = f"{words.energy(energy_kwh)} kWh at {words.time(time)} s"
     return parts.figure(label, value, unit, detail, term="Change of time")
+
+
+def _energy_kwh(trade_off: TradeOff, best: Trajectory, time_s: float) -> float:
+    """Return the minimum energy in another time [kWh]; NaN beyond the frontier."""
+    frontier = trade_off.frontier
+    # the frontier's mesh may be coarser than that of the run, so only its differences count
+    return best.energy_kwh + frontier.energy_kwh_at(time_s) - frontier.energy_kwh_at(best.travel_time_s)
+
+
+def times_table(trade_off: TradeOff, best: Trajectory) -> Markup:
+    """Return the minimum energy in some seconds less and more than the present time."""
+    rows: list[tuple[Sequence[str], bool]] = []
+    for step_s in STEPS_S:
+        time = best.travel_time_s + step_s
+        energy_kwh = _energy_kwh(trade_off, best, time)
+        more_kwh = energy_kwh - best.energy_kwh
+        if step_s == 0 or np.isfinite(energy_kwh):
+            share = comparisons.above(energy_kwh, best.energy_kwh).cell
+            each = words.number(-1e3 * more_kwh / step_s, 0) if step_s else ""
+            shown = words.signed(step_s, 0) if step_s else "now"
+            cells = (shown, words.time(time), words.energy(energy_kwh), words.energy_difference(more_kwh), share, each)
+            rows.append((cells, step_s == 0))
+    head = ("Change, s", "s", "kWh", "vs now, kWh", "vs now, %", "Wh per second")
+    return parts.table("Least energy by travel time", head, rows)
 
 
 def runs_table(trade_off: TradeOff, runs: Runs, enoc: EnocPoint | None) -> Markup:

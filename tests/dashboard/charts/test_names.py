@@ -13,12 +13,11 @@ from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import LINE_HEIGHT, Box, Frame, text_width_px
 from railjoule.dashboard.charts.run_charts import EnergyChart
-from railjoule.dashboard.charts.run_lines import RunLines
+from railjoule.dashboard.charts.run_lines import NAMES, RunLines
 from railjoule.dashboard.charts.scene import RunChart, RunScene
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.compare.charts import PLOTS, ComparedChart
-from railjoule.dashboard.pages.compare.contenders import Contender
+from railjoule.dashboard.pages.compare.charts import PLOTS, Contender
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 
 SCENARIOS = ("metro-with-limit", "tram-950m-stop", "ftorek-300s", "liashenko-ii")
@@ -101,9 +100,8 @@ def test_no_name_of_compare_lies_on_anything(name: str, over_time: bool) -> None
     palette = Palette(False)
     axis = Axis(palette)
     axis.fit(max(float((c.run.time_s if over_time else c.run.position_m)[-1]) for c in among), roomy=True)
-    for plot in (plot for plot in PLOTS if plot.names):
+    for plot in (plot for plot in PLOTS if NAMES in plot.above):
         chart = plot.made(axis, palette)
-        assert isinstance(chart, ComparedChart)
         chart.width_px = 940.0
         chart.build()
         chart.draw(among, among[0], over_time, narrow=False)

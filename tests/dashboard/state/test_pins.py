@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.dashboard.pages.compare.contenders import contenders, find_reference
+from railjoule.dashboard.pages.compare.charts import contenders, find_reference
 from railjoule.dashboard.state.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, make_recipe
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.workbench import Workbench

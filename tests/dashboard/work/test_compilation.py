@@ -16,13 +16,11 @@ from railjoule.core.scenario import preset_names
 from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
 from railjoule.core.studies.motor_map import induction_map, motor_map
 from railjoule.dashboard.pages.set_speeds.compute import (
-    LimitsRequest,
-    StorageRequest,
     compute_limit_run,
     compute_limit_trip,
     compute_storage,
 )
-from railjoule.dashboard.pages.trade_off.compute import TradeOffRequest, compute_trade_off
+from railjoule.dashboard.pages.trade_off.compute import compute_trade_off
 
 compiled = []
 
@@ -40,7 +38,7 @@ with event.install_listener("numba:compile", Note()):
     for name in preset_names("scenarios"):
         for run in compare(load_scenario(name)).runs:
             advise(run)
-        compute_trade_off(TradeOffRequest(load_scenario(name), 400.0, False, 1.0))
+        compute_trade_off(load_scenario(name), 400.0, False, 1.0)
     machine = load_scenario("ftorek-300s")
     driven = simulate_field_oriented(machine)
     advise(driven.actual)
@@ -49,9 +47,9 @@ with event.install_listener("numba:compile", Note()):
     metro = load_scenario("kharkiv-like-20kmh")
     motor_map(metro)
     for regulator in ("coast", "brake", "literal"):
-        request = LimitsRequest(metro, {"search.regulator": regulator, "search.limits_kmh": [40.0, 30.0]})
-        compute_limit_trip(request)
-        compute_storage(StorageRequest(compute_limit_run(request), None, None, 0.95, 0.95))
+        changes = {"search.regulator": regulator, "search.limits_kmh": [40.0, 30.0]}
+        compute_limit_trip(metro, changes)
+        compute_storage(compute_limit_run(metro, changes), None, None, 0.95, 0.95)
 print(compiled)
 """
 

@@ -175,10 +175,18 @@ def test_the_fastest_run_does_not_press_the_energies_of_others_together(session:
     most = max(run.supply_energy_j.max() / J_PER_KWH for name, run in runs.items() if name != "fastest")
     assert most < chart.y_range.end < 1.5 * most
     assert len(sent(chart, "fastest")[0]) == 0
-    assert caption(chart) == "Energy from the supply, kWh (Linear reserve and Fastest off the scale)"
+    assert caption(chart) == "Energy from the supply, kWh; off the scale: Linear reserve, Fastest"
     page.reference = "fastest"
     assert len(sent(chart, "fastest")[0]) > 0
     assert caption(chart) == "Energy from the supply, kWh"
+
+
+def test_instructions_are_those_of_the_advice(session: Session, page: Compare) -> None:
+    table = rows(page)
+    # full power, coast, brake for the limit, hold it, full power, coast, brake
+    assert table["Optimal"][5] == "7"
+    # full power, hold the limit, brake, hold the lower one, full power, hold the limit, brake
+    assert table["Fastest"][5] == "7"
 
 
 def test_differences_are_those_to_the_reference(session: Session, page: Compare) -> None:
@@ -211,6 +219,17 @@ def test_pins_are_renamed_and_removed(session: Session, page: Compare) -> None:
     assert session.state.pins == ()
     assert list(page.pin_rows) == []
     session.state.pins = pins
+
+
+def test_a_pinned_run_of_little_energy_hides_no_strategy(session: Session, page: Compare) -> None:
+    """The scale is that of the reference; efforts of all runs share one."""
+    session.state.scenario.travel_time_s = 250.0
+    session.state.pin()
+    session.state.scenario.restore()
+    assert caption(page.host.plots["compared_energy"]).endswith("; off the scale: Linear reserve, Fastest")
+    assert len(sent(page.host.plots["compared_energy"], "pin_2")[0]) > 0
+    assert len(sent(page.host.plots["compared_effort"], "fastest")[0]) > 0
+    session.state.unpin(session.state.pins[-1])
 
 
 def test_old_links_name_reference_and_runs_as_before() -> None:

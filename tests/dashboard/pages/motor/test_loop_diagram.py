@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from railjoule.dashboard.pages.motor.loop_diagram import CHARTS, drawing
+from railjoule.dashboard.pages.motor.charts import CHARTS, drawing
 from railjoule.dashboard.pages.motor.page import Motor
 
 WIDE, NARROW = ET.fromstring(f"<div>{drawing()}</div>")

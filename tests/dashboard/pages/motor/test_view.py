@@ -7,6 +7,7 @@ from railjoule.core import load_scenario
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.words import energy
 from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.pages.motor.page import Motor
 from railjoule.dashboard.pages.motor.texts import finding, length, run_figures
@@ -34,11 +35,23 @@ def test_charts_draw_the_run(view: Motor) -> None:
     assert max(sent(charts["loop_currents"], "torque current")[1]) == pytest.approx(run.torque_current_a.max())
     # the motors' energy is the sum of its parts
     _, energy = sent(charts["rival_energy"], "EOC")
-    eoc = view.rivals.strategies["eoc"]
+    eoc = view.rivals.runs["eoc"]
     assert energy[-1] == pytest.approx(sum(eoc.parts_j.values()) / 3.6e6, rel=5e-4)
     assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
     assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
     assert 50 < len(view.host.plots["machine_map"].sources["points"].data["x"]) <= 120
+
+
+def test_the_run_stands_beside_those_it_is_compared_with(view: Motor) -> None:
+    table, run = view.compared.object, view.run
+    assert [name in table for name in ("by EOC", "by ENOC", "without pre-compensator")] == [True, False, True]
+    least = simulate_field_oriented(run.scenario.replace(**{"simulation.flux": "min_loss"}), run.planned).actual
+    assert least.energy_kwh < run.actual.energy_kwh
+    assert f">{energy(least.energy_kwh)}<" in table
+    saved = f"{100 * (1 - least.energy_kwh / run.actual.energy_kwh):.1f} % less"
+    assert f"Rotor flux of least loss, a choice of the sidebar, needs {energy(least.energy_kwh)} kWh, {saved}." in (
+        view.finding.object
+    )
 
 
 def test_a_limit_that_holds_the_drive_is_told_and_marked(view: Motor) -> None:

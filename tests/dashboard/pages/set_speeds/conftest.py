@@ -13,10 +13,10 @@ def state(monkeypatch):
     """A workbench whose page Set speeds is in sight; all work is done in the test's own turn."""
     compute = page.compute_limit_run
 
-    def computed_once(request):
+    def computed_once(*request):
         key = repr(request)
         if key not in RUNS:
-            RUNS[key] = compute(request)
+            RUNS[key] = compute(*request)
         return RUNS[key]
 
     monkeypatch.setattr(page, "compute_limit_run", computed_once)

@@ -5,7 +5,6 @@ from set_speeds import drive_under_limits
 from railjoule.core import Scenario, ScenarioError, StrategyRefusedError, load_scenario
 from railjoule.dashboard.pages.set_speeds.compute import (
     LimitRun,
-    LimitsRequest,
     compute_limit_run,
     compute_limit_trip,
     compute_storage,
@@ -17,7 +16,7 @@ GIVEN = {"strategy": "speed_limits", "search.limits_kmh": [50.0, 30.0]}
 
 @pytest.fixture(scope="module")
 def run() -> LimitRun:
-    return compute_limit_run(LimitsRequest(SCENARIO, GIVEN))
+    return compute_limit_run(SCENARIO, GIVEN)
 
 
 def test_given_limits_are_driven_and_compared_over_the_same_time(run: LimitRun) -> None:
@@ -30,12 +29,12 @@ def test_given_limits_are_driven_and_compared_over_the_same_time(run: LimitRun) 
 
 @pytest.mark.parametrize("changes", [{"search.regulator": "literal"}, {"search.limits_kmh": None}])
 def test_no_quick_trip_for_a_relay_or_a_search(changes: dict[str, object]) -> None:
-    assert compute_limit_trip(LimitsRequest(SCENARIO, {**GIVEN, **changes})) is None
+    assert compute_limit_trip(SCENARIO, {**GIVEN, **changes}) is None
 
 
 def test_a_time_without_optimum_says_why() -> None:
     flat_out = {"strategy": "speed_limits", "search.limits_kmh": [80.0, 80.0], "search.stop_deceleration_ms2": 20.0}
-    found = compute_limit_run(LimitsRequest(level(), flat_out))
+    found = compute_limit_run(level(), flat_out)
     assert (found.optimum is None) == bool(found.no_optimum)
     assert found.run.above_share is None
     assert "shortest possible" in found.no_optimum
@@ -55,9 +54,9 @@ def level() -> Scenario:
 def test_refusals_name_the_strategy() -> None:
     tight = SCENARIO.replace(**{"timetable.travel_time_s": 131.0})
     with pytest.raises(StrategyRefusedError, match="Set speeds: needs at least"):
-        compute_limit_run(LimitsRequest(tight, {"strategy": "speed_limits"}))
+        compute_limit_run(tight, {"strategy": "speed_limits"})
     with pytest.raises(ScenarioError, match="at most the vehicle's 80"):
-        compute_limit_run(LimitsRequest(SCENARIO, {**GIVEN, "search.limits_kmh": [50.0, 500.0]}))
+        compute_limit_run(SCENARIO, {**GIVEN, "search.limits_kmh": [50.0, 500.0]})
 
 
 def test_storages_save_up_to_what_they_need(run: LimitRun) -> None:

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
-from railjoule.dashboard.pages.trade_off.compute import TradeOffRequest, compute_trade_off
+from railjoule.dashboard.pages.trade_off.compute import compute_trade_off
 
 
 def test_the_trade_off_agrees_with_single_solutions() -> None:
     scenario = load_scenario("ftorek-300s")
-    trade_off = compute_trade_off(TradeOffRequest(scenario, 400.0, wide_map=False, copper_weight=1.0))
+    trade_off = compute_trade_off(scenario, 400.0, wide_map=False, copper_weight=1.0)
     time = trade_off.frontier.travel_time_s[30]
     single = scenario.replace(**{"timetable.travel_time_s": float(time)})
     assert trade_off.frontier.energy_kwh[30] == pytest.approx(solve(single).energy_kwh, rel=1e-4)
@@ -24,7 +24,7 @@ def test_the_trade_off_agrees_with_single_solutions() -> None:
 
 def test_single_points_of_enoc_agree_with_its_runs() -> None:
     scenario = load_scenario("ftorek-300s")
-    trade_off = compute_trade_off(TradeOffRequest(scenario, 400.0, wide_map=False, copper_weight=1.0))
+    trade_off = compute_trade_off(scenario, 400.0, wide_map=False, copper_weight=1.0)
     for ramp in (None, 62.7):
         run = solve(scenario.replace(**{"enoc.acceleration_time_s": ramp}), strategy="enoc")
         point = trade_off.enoc_point(300.0, ramp)
@@ -36,9 +36,7 @@ def test_single_points_of_enoc_agree_with_its_runs() -> None:
 
 
 def test_without_enoc_there_is_a_frontier_but_no_map() -> None:
-    trade_off = compute_trade_off(
-        TradeOffRequest(load_scenario("liashenko-i"), 200.0, wide_map=False, copper_weight=1.0)
-    )
+    trade_off = compute_trade_off(load_scenario("liashenko-i"), 200.0, wide_map=False, copper_weight=1.0)
     assert trade_off.enoc_map is None
     assert trade_off.enoc_point(200.0) is None
     assert "copper loss" in trade_off.refusal

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railjoule.core import load_scenario
+from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.charts.names import AROUND_PX
@@ -56,6 +56,18 @@ def test_strategies_stand_beside_the_frontier_of_a_line_with_limits(session: Ses
         assert name in table
     assert "1.7 s late" in table
     assert "+8.1" in table
+
+
+def test_a_minute_more_saves_what_its_optimum_needs_less(session: Session, page: TradeOffPage) -> None:
+    best = session.state.runs.best
+    longer = solve(best.scenario.replace(**{"timetable.travel_time_s": 230.0}))
+    *_, energy, _, _, each = page.times.object.split("<td>+60<")[1].split("<tr")[0].split("<td>")
+    # the frontier's mesh is coarser than that of a run
+    assert float(energy) == pytest.approx(longer.energy_kwh, rel=2e-3)
+    assert float(each.split("<")[0]) == pytest.approx((best.energy_kwh - longer.energy_kwh) / 0.06, abs=1)
+    # 36.4 s less than now is the shortest time
+    assert "\u221230<" in page.times.object
+    assert "\u221260<" not in page.times.object
 
 
 def test_no_curve_and_no_run_is_cut(session: Session, page: TradeOffPage) -> None:
