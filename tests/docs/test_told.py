@@ -117,7 +117,7 @@ def test_vehicle_and_line_that_are_added_make_a_scenario():
 
 FEWER = {
     "--sample 4096": "--sample 64",
-    "--probability 0.95 --candidates 8": "--probability 0.8 --candidates 3 --set montecarlo.runs=100",
+    "--probability 0.95 --candidates 8": "--probability 0.6 --candidates 3 --set montecarlo.runs=150",
     "--prove-seconds 20": "--prove-seconds 2",
     "--sections result proof": "--sections proof",
     "montecarlo.runs=500": "montecarlo.runs=50",
