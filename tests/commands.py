@@ -7,8 +7,7 @@ def answer(capsys, *words):
     """Run a command that must succeed; return what it printed."""
     status = main(words)
     captured = capsys.readouterr()
-    assert captured.err == ""
-    assert status == OK
+    assert (status, captured.err) == (OK, ""), captured.err
     return captured.out
 
 

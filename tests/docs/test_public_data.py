@@ -19,7 +19,7 @@ TRACK, TRAIN = "CH_StGallen_Wil", "NL_Intercity_VIRM6"
 G_MS2, MASS_T, CURVE_CONSTANT = 9.81, 391.0, 700.0
 MS_EETC_KWH = {300: 50.0234, 1000: 49.9800}
 """Results of ms-eetc (commit d7aadf2, CasADi 3.8.2) for the setting of its simulations/table4.py, by intervals."""
-FEWER_CELLS = "timetable.reserve_percent=10 -o", "timetable.reserve_percent=10 solver.mesh_m=50 -o"
+FEWER_CELLS = "timetable.reserve_percent=10 -o", "timetable.reserve_percent=10 solver.mesh_m=200 -o"
 """The report of the test has fewer cells; the numbers of the page are those of the commands before it."""
 
 

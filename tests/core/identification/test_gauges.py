@@ -1,6 +1,7 @@
 """Calibration errors of the gauges, by recordings of random trains whose parameters are known."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,6 +17,21 @@ from railjoule.core.identification.steps import usable_steps
 from railjoule.core.measured import measured_run
 
 EXACT = GaugeErrors(0, 0, 0, 0, 0)
+USUAL = GaugeErrors()
+
+
+@cache
+def train_with(errors, seed):
+    """Return a random train with these errors, recorded once for all tests."""
+    (train,) = measured_trains(errors, 1, seed)
+    return train
+
+
+@cache
+def fit_of(errors, seed, stated=USUAL):
+    """Return the fit to the runs of a train, computed once for all tests."""
+    scenario = load_scenario(SCENARIO)
+    return fit_runs(train_with(errors, seed).runs(scenario), scenario, stated=stated)
 
 
 @pytest.fixture(scope="module")
@@ -53,8 +69,7 @@ def test_intervals_hold_the_truth_in_all_cases_of_the_review(scenario, case):
 
 def test_a_speed_that_is_too_high_fades_by_the_resistance_that_it_meets(scenario):
     # of two trains under the same efforts, one a little faster: dv' = -R'(v) dv / m
-    [train] = measured_trains(Errors(), 1, seed=3)
-    steps = usable_steps(train.runs(scenario), scenario)
+    steps = usable_steps(train_with(Errors(), 3).runs(scenario), scenario)
     faster_ms = 0.2
     problem, faster = (
         Problem(Model(scenario.vehicle, DEFAULT, 30.0), with_speeds, 0.0, EXACT)
@@ -70,24 +85,20 @@ def test_a_speed_that_is_too_high_fades_by_the_resistance_that_it_meets(scenario
         assert ahead[end] < 0.9 * faster_ms
 
 
-def test_an_offset_of_the_effort_never_leaves_a_value_outside_its_interval(scenario):
+@pytest.mark.parametrize("stated", [GaugeErrors(), EXACT], ids=["usual", "exact"])
+def test_an_offset_of_the_effort_never_leaves_a_value_outside_its_interval(stated):
     # fault F4 of the third review: A 3462 in "3541 to 6745", B 2.5e-17 in "0 to 0"
-    for train in measured_trains(Errors(effort_offset_n=3e3), 2, seed=5):
-        runs = train.runs(scenario)
-        for stated in (GaugeErrors(), EXACT):
-            for one in fit_runs(runs, scenario, stated=stated).parameters:
-                assert 0 <= one.low <= one.value <= one.high
-                assert one.low < one.high
+    for one in fit_of(Errors(effort_offset_n=3e3), 5, stated).parameters:
+        assert 0 <= one.low <= one.value <= one.high
+        assert one.low < one.high
 
 
-def test_runs_that_contradict_the_model_are_reported(scenario):
-    clean, off = (measured_trains(errors, 1, seed=5)[0] for errors in (Errors(), Errors(effort_offset_n=8e3)))
-    assert fit_runs(clean.runs(scenario), scenario).contradiction == ""
-    sentence = fit_runs(off.runs(scenario), scenario).contradiction
-    assert sentence.startswith(
+def test_runs_that_contradict_the_model_are_reported():
+    assert fit_of(Errors(), 5).contradiction == ""
+    assert fit_of(Errors(effort_offset_n=8e3), 5).contradiction.startswith(
         "These runs contradict the model, so the intervals are not valid: the offset of the effort would"
     )
-    by_exact = fit_runs(off.runs(scenario), scenario, stated=EXACT).contradiction
+    by_exact = fit_of(Errors(effort_offset_n=8e3), 5, EXACT).contradiction
     assert "would be -" in by_exact
     assert "standard deviations away" in by_exact
 
@@ -97,35 +108,28 @@ def test_a_line_that_is_not_that_of_the_runs_is_reported(scenario):
         {"length_m": one.length_m, "gradient_permille": one.gradient_permille} for one in scenario.line.sections[::-1]
     ]
     other = scenario.replace(line={"sections": sections})
-    runs = measured_trains(Errors(), 1, seed=5)[0].runs(other)
-    sentence = fit_runs(runs, other).contradiction
+    sentence = fit_runs(train_with(Errors(), 5).runs(other), other).contradiction
     assert "the simulated speed misses the measured one by" in sentence
     assert "times the noise of usual gauges" in sentence
 
 
-def test_an_exact_meter_gives_the_auxiliaries_by_the_noise_of_its_samples(scenario):
+def test_an_exact_meter_gives_the_auxiliaries_by_the_noise_of_its_samples():
     # some 50 samples of coasting a run with 1 % of noise on 20 to 80 kW: 0.06 kW
-    train = measured_trains(Errors(), 1, seed=3)[0]
-    runs = train.runs(scenario)
-    found = {stated: fit_runs(runs, scenario, stated=stated).parameters[-1] for stated in (EXACT, GaugeErrors())}
-    assert {one.name for one in found.values()} == {AUXILIARY}
-    exact, default = found[EXACT], found[GaugeErrors()]
-    assert exact.low <= train.truth[AUXILIARY] <= exact.high
+    exact, default = fit_of(Errors(), 3, EXACT).parameters[-1], fit_of(Errors(), 3).parameters[-1]
+    assert exact.name == default.name == AUXILIARY
+    assert exact.low <= train_with(Errors(), 3).truth[AUXILIARY] <= exact.high
     assert exact.high - exact.low < 1.0
     # 0.2 % of some 3,300 kW, times 2.1 to both sides
     assert default.high - default.low == pytest.approx(2 * 2.1 * 0.002 * 3300, rel=0.15)
 
 
 def test_only_gauge_errors_that_count_in_the_runs_are_listed(scenario):
-    (train,) = measured_trains(Errors(), 1, seed=3)
-    runs = train.runs(scenario)
-    fit = fit_runs(runs, scenario)
-    names = [gauge.name for gauge in fit.gauge_errors]
-    assert names == ["effort_gain", "effort_offset", "power_gain", "power_offset"]
+    fit = fit_of(Errors(), 3)
+    assert [gauge.name for gauge in fit.gauge_errors] == ["effort_gain", "effort_offset", "power_gain", "power_offset"]
     assert "gain of the effort 2 %" in fit.assumed
     # the scale of the speeds is not known where a run does not end in a station
     flat = scenario.replace(**{"line.preset": "flat-5km"})
-    cut = [measured_run(run.recording, flat, 100.0) for run in runs]
+    cut = [measured_run(run.recording, flat, 100.0) for run in train_with(Errors(), 3).runs(scenario)]
     assert "speed_gain" in [gauge.name for gauge in fit_runs(cut, flat).gauge_errors]
 
 

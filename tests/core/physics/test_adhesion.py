@@ -57,7 +57,7 @@ def test_phases_on_wet_rails_use_no_more_than_their_adhesion():
     """With each kind of corner: adhesion under a constant effort, a power, and an induction machine's own limits."""
     for drive in (COPPER_LOSS, INDUCTION | {"motors": 12}):
         dry = plain_scenario({"vehicle.drive": drive, "vehicle.adhesion.driven_mass_share": 0.5})
-        runs = [solve(scenario, "phases", check=True) for scenario in (dry, dry.replace(**WET))]
+        runs = [solve(scenario, "phases", check=True, prove_seconds=0) for scenario in (dry, dry.replace(**WET))]
         assert all(run.check.ok for run in runs)
         assert 0.999 < used_share(runs[1]) <= 1 + 1e-9 < used_share(runs[0])
         assert runs[1].energy.net_j > runs[0].energy.net_j

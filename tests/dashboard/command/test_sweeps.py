@@ -101,11 +101,11 @@ def test_a_person_at_a_terminal_sees_how_far_it_is(capsys, tmp_path, monkeypatch
     # none of it where nobody looks: a pipe's reader looks for errors
     assert capsys.readouterr().err == ""
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    assert command(tmp_path / "out.csv", sample="1200", over=("vehicle.load_factor=0:1",)) == OK
+    assert command(tmp_path / "out.csv", sample="300", over=("vehicle.load_factor=0:1",)) == OK
     told = capsys.readouterr().err
     assert told.count("\r") > 1
     assert "100%" in told
-    assert "1200/1200" in told
+    assert "300/300" in told
     assert "runs/s" in told
 
 
@@ -127,21 +127,21 @@ def stopped_at_the_first_progress(monkeypatch):
 def test_a_stopped_sweep_goes_on_to_the_same_table(capsys, tmp_path, monkeypatch):
     go_on = stopped_at_the_first_progress(monkeypatch)
     target, kept = tmp_path / "out.parquet", tmp_path / "out.parquet.runs"
-    assert command(target, sample="500") == INTERRUPTED
-    assert "of 500 rows are kept in" in capsys.readouterr().err
+    assert command(target, sample="300") == INTERRUPTED
+    assert "of 300 rows are kept in" in capsys.readouterr().err
     assert kept.exists()
     assert not target.exists()
     go_on()
-    assert "--resume goes on with it; to begin again, remove it" in complaint(capsys, target, sample="500")
+    assert "--resume goes on with it; to begin again, remove it" in complaint(capsys, target, sample="300")
     assert "another study, whose seed differs: 0, not 1" in complaint(
-        capsys, target, "--resume", "--seed", "1", sample="500"
+        capsys, target, "--resume", "--seed", "1", sample="300"
     )
-    assert command(target, "--resume", sample="500") == OK
+    assert command(target, "--resume", sample="300") == OK
     assert not kept.exists()
-    assert command(tmp_path / "whole.parquet", sample="500") == OK
+    assert command(tmp_path / "whole.parquet", sample="300") == OK
     pandas.testing.assert_frame_equal(pandas.read_parquet(target), pandas.read_parquet(tmp_path / "whole.parquet"))
     capsys.readouterr()
-    assert "nothing is left to be done for it" in complaint(capsys, target, "--resume", sample="500")
+    assert "nothing is left to be done for it" in complaint(capsys, target, "--resume", sample="300")
 
 
 def test_a_script_may_always_say_resume(tmp_path):

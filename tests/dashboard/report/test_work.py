@@ -5,6 +5,7 @@ import pytest
 from railjoule.core.scenario import parse_scenario
 from railjoule.core.trajectory import MEASURED
 from railjoule.dashboard.keep.dropped import scenario_in_report
+from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.work import Reporting, file_name
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.workbench import Workbench
@@ -16,7 +17,9 @@ def reporting() -> Reporting:
     state = Workbench()
     state.scenario.choose("liashenko-0")
     state.runs = compute_runs(RunsRequest(state.scenario.scenario(), ("optimal",)))
-    return Reporting(state)
+    reporting = Reporting(state)
+    reporting.model.contents = Contents(("pinned",))
+    return reporting
 
 
 def test_a_report_holds_what_is_in_sight(reporting: Reporting) -> None:
