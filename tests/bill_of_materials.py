@@ -55,11 +55,12 @@ def bill() -> dict[str, Any]:
                 seen.add((other, with_extras))
                 waiting.append((other, with_extras))
     parts = {name: component(package, "library") for name, package in packages.items()}
+    own = component(root, "application")
     return {
         "bomFormat": "CycloneDX",
         "specVersion": "1.5",
         "version": 1,
-        "metadata": {"component": component(root, "application")},
+        "metadata": {"component": own},
         "components": [parts[name] for name in sorted(parts) if name != ROOT_PACKAGE],
         "dependencies": [
             {"ref": parts[name]["bom-ref"], "dependsOn": sorted(parts[one]["bom-ref"] for one in edges.get(name, ()))}

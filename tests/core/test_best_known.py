@@ -102,7 +102,8 @@ def test_solving_alone_finds_bound_and_reference():
     run = solve(load_scenario("tram-950m"))
     assert run.strategy == "phases"
     assert run.reference.strategy == "optimal"
-    assert run.gap == pytest.approx(run.energy.net_j / run.bound.energy_j - 1)
+    bound_j = run.bound.energy_j
+    assert (run.lower_bound_kwh, run.gap) == pytest.approx((bound_j / 3.6e6, run.energy.net_j / bound_j - 1))
     assert run.above_share == pytest.approx(run.energy_kwh / solve(run.scenario, "optimal").energy_kwh - 1)
 
 
