@@ -39,7 +39,8 @@ def test_what_recuperation_returns_is_told() -> None:
 
 def test_a_hold_at_the_limit_says_so() -> None:
     run = compute_lesson(LessonRequest("multiplier", 158.0)).runs["optimum"]
-    assert "faster is not permitted" in next(one for one in stretch_words(run) if one.phase == "hold").sentence
+    hold = next(one for one in stretch_words(run) if one.phase == "hold")
+    assert "faster is not permitted" in hold.sentence
 
 
 def test_a_descent_adds_its_height_to_a_train_that_coasts() -> None:

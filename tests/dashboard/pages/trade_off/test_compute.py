@@ -8,7 +8,8 @@ from railjoule.dashboard.pages.trade_off.compute import TradeOffRequest, compute
 def test_the_trade_off_agrees_with_single_solutions() -> None:
     scenario = load_scenario("ftorek-300s")
     trade_off = compute_trade_off(TradeOffRequest(scenario, 400.0, wide_map=False, copper_weight=1.0))
-    single = scenario.replace(**{"timetable.travel_time_s": float(trade_off.frontier.travel_time_s[30])})
+    time = trade_off.frontier.travel_time_s[30]
+    single = scenario.replace(**{"timetable.travel_time_s": float(time)})
     assert trade_off.frontier.energy_kwh[30] == pytest.approx(solve(single).energy_kwh, rel=1e-4)
     assert trade_off.enoc.energy_kwh[30] == pytest.approx(solve(single, strategy="enoc").energy_kwh, rel=1e-3)
     taken = np.isfinite(trade_off.enoc.energy_kwh)
