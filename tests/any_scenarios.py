@@ -40,8 +40,7 @@ def any_document(seed: int) -> Table:
     train = _Train(tare, effort, speed, effort * speed * rng.uniform(0.25, 0.8))
     model = MODELS[seed % len(MODELS)]
     # two strategies take copper loss on plain lines alone
-    plain = rng.random() < (0.6 if model == "copper_loss" else 0.25)
-    line = _line(rng, plain, speed)
+    line = _line(rng, rng.random() < (0.6 if model == "copper_loss" else 0.25), speed)
     length = sum(section["length_m"] for section in line["sections"])
     document = {
         "title": f"any {seed}",

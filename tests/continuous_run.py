@@ -192,8 +192,7 @@ def integrate(
         aim = cell + 1
         while aim < last and plan.position_m[aim] - s < AHEAD_M and plan.action[aim] == plan.action[cell]:
             aim += 1
-        distance = max(plan.position_m[aim] - s, 1e-9)
-        f = mass.inertia_kg * (plan.speed2[aim] - v * v) / (2.0 * distance) + resisting
+        f = mass.inertia_kg * (plan.speed2[aim] - v * v) / (2.0 * max(plan.position_m[aim] - s, 1e-9)) + resisting
         share = (s - plan.position_m[cell]) / (plan.position_m[cell + 1] - plan.position_m[cell])
         planned2 = plan.speed2[cell] + share * (plan.speed2[cell + 1] - plan.speed2[cell])
         far = abs(v * v - planned2) > NEAR_SHARE * planned2 + 1e-6 or (end2 > 0.0 and end - s < EXIT_M)

@@ -7,8 +7,7 @@ over cells keep the limits of effort at the mean speed of each cell only, so one
 plan is driven in steps of a millisecond, for a shorter time until the train is in time, and that energy refutes it.
 
 Every scenario is a line of JSON in a file, so that an interrupted run continues. `--shipped` judges the scenarios that
-come with railjoule, `--no-rivals` solves only, and `--before FILE` compares with the rows of an earlier state. The
-status is 1 where a rival that decides lies below its bound.
+come with railjoule, and `--no-rivals` solves only. The status is 1 where a rival that decides lies below its bound.
 """
 
 import argparse
@@ -223,7 +222,6 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--minutes", type=float, default=math.inf, metavar="M", help="begin no scenario after these")
     parser.add_argument("--limit", type=float, default=300.0, metavar="S", help="time that a scenario may take")
-    parser.add_argument("--before", type=Path, metavar="FILE", help="rows of an earlier state, to compare with")
     parser.add_argument("--results", type=Path, default=Path(tempfile.gettempdir()) / "judge_bounds.jsonl")
     parser.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
     asked = parser.parse_args()
@@ -237,14 +235,9 @@ def main() -> int:
     arguments = ["tests.judge_bounds", "--worker", *options, "--repeats", str(asked.repeats)]
     until_s = time.monotonic() + 60 * asked.minutes
     rows = drive_all(asked.results, tuple(names), asked.processes, asked.limit, until_s, arguments)
-    print(table(rows, _rows_by_name(asked.before)))
+    print(table(rows))
     wrong = (row["status"] in ("traceback", "stopped") or (row.get("every_run") and any(refuting(row))) for row in rows)
     return 1 if any(wrong) else 0
-
-
-def _rows_by_name(file: Path | None) -> dict[str, Row]:
-    lines = file.read_text(encoding="utf-8").splitlines() if file is not None else ()
-    return {row["seed"]: row for row in map(json.loads, lines)}
 
 
 if __name__ == "__main__":

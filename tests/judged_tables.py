@@ -1,4 +1,4 @@
-"""The tables of `tests.judge_bounds`: gaps by drive, changes since an earlier state, and rivals below their bounds."""
+"""The tables of `tests.judge_bounds`: gaps by drive, and rivals below their bounds."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -23,19 +23,11 @@ def refuting(row: Row) -> Iterator[tuple[str, float]]:
             yield name, train["below"]
 
 
-def table(rows: list[Row], before: dict[str, Row]) -> str:
+def table(rows: list[Row]) -> str:
     """Return the summary by drive, and the rivals below their bounds."""
     solved = [row for row in rows if row["status"] == "solved" and row["gap"] is not None]
     kinds = sorted({row["model"] for row in solved})
     lines = [f"{len(rows)} scenarios: {', '.join(_statuses(rows))}", "", *_gap_lines(solved, kinds)]
-    if before:
-        lines += [
-            "",
-            "before:",
-            "",
-            *_gap_lines([before[row["seed"]] for row in solved if row["seed"] in before], kinds),
-        ]
-        lines += ["", *_change_lines(solved, before)]
     return "\n".join([*lines, "", *_rival_lines(solved)])
 
 
@@ -60,27 +52,6 @@ def _gap_lines(rows: list[Row], kinds: list[str]) -> Iterator[str]:
             f"| {kind} | {len(gaps)} | {quantiles} | {shares} | {np.median(cells):.0f} | "
             f"{1e3 * np.median(times):.1f} | {1e3 * times.max():.0f} |"
         )
-
-
-def _change_lines(rows: list[Row], before: dict[str, Row]) -> Iterator[str]:
-    """Yield a row for each shipped scenario, and the change of energy of all others by drive."""
-    yield "| scenario | kWh before | after | gap before [%] | after | cells before | after | ms before | after |"
-    yield "| --- " * 9 + "|"
-    changes = []
-    for row in rows:
-        old = before.get(row["seed"])
-        if old is None or old.get("gap") is None:
-            continue
-        changes.append(row["energy_kwh"] / old["energy_kwh"] - 1)
-        if not row["seed"].isdigit():
-            yield (
-                f"| {row['seed']} | {old['energy_kwh']:.5f} | {row['energy_kwh']:.5f} | {100 * old['gap']:.4f} | "
-                f"{100 * row['gap']:.4f} | {old['cells']} | {row['cells']} | {1e3 * old['seconds']:.1f} | "
-                f"{1e3 * row['seconds']:.1f} |"
-            )
-    if changes:
-        quantiles = ", ".join(f"{100 * np.quantile(changes, share):+.3f} %" for share in (0.0, 0.1, 0.5, 0.9, 1.0))
-        yield f"energy after over before, least, 10 %, median, 90 %, most: {quantiles}"
 
 
 def _rival_lines(rows: list[Row]) -> Iterator[str]:

@@ -72,10 +72,9 @@ def recorded(run: Trajectory, seed: int) -> str:
     time = np.append(np.arange(0.0, run.travel_time_s, STEP_S), run.travel_time_s)
     speed = np.interp(time, run.time_s, run.speed_ms) / MS_PER_KMH
     effort, power = _means(run, run.effort_n, time) / N_PER_KN, _means(run, run.supply_power_w, time) / W_PER_KW
-    position = WORN_WHEELS * np.interp(time, run.time_s, run.position_m)
     columns = {
         "time_s": (time, STEP_S, 1),
-        "position_m": (position, POSITION_STEP_M, 0),
+        "position_m": (WORN_WHEELS * np.interp(time, run.time_s, run.position_m), POSITION_STEP_M, 0),
         "speed_kmh": (speed, SPEED_STEP_KMH, 1),
         "effort_kn": (effort * (1 + EFFORT_ERROR * chance.standard_normal(len(time))), EFFORT_STEP_KN, 1),
         "line_power_kw": (power * (1 + POWER_ERROR * chance.standard_normal(len(time))), POWER_STEP_KW, 0),

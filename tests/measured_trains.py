@@ -176,8 +176,7 @@ def _drive(truths: list[dict[str, float]], gust_ms: float, random: np.random.Gen
             break
         wind = keep * wind + gust_ms * np.sqrt(1 - keep**2) * random.standard_normal(count)
     assert np.all(stopped)
-    powers = np.maximum(efforts, 0.0) * speeds / efficiency + 1e3 * auxiliary
-    return _Motion(speeds, efforts, powers)
+    return _Motion(speeds, efforts, np.maximum(efforts, 0.0) * speeds / efficiency + 1e3 * auxiliary)
 
 
 def _record(

@@ -7,5 +7,4 @@ from railjoule.core import Trajectory
 
 def needing(run: Trajectory, net_j: float) -> Trajectory:
     """Return a run that is said to need so much energy [J], by the work of its motors."""
-    traction_j = run.energy.traction_j + net_j - run.energy.net_j
-    return replace(run, energy=replace(run.energy, traction_j=traction_j))
+    return replace(run, energy=replace(run.energy, traction_j=run.energy.traction_j + net_j - run.energy.net_j))

@@ -30,7 +30,7 @@ def test_a_bound_that_is_too_high_is_refuted(monkeypatch):
     row = judge("liashenko-ii", (2.0,), ("optimal",)) | {"seed": "liashenko-ii", "status": "solved"}
     # the optimum over cells of 2 m costs 0.04 % less than the one over the scenario's
     assert dict(refuting(row))["optimal over the finest mesh"] == pytest.approx(2e-3, abs=5e-4)
-    assert "bounds refuted: 1 of 1" in table([row], {})
+    assert "bounds refuted: 1 of 1" in table([row])
 
 
 def test_the_driven_train_arrives_as_its_plan():

@@ -114,8 +114,7 @@ def main() -> int:
             shutil.copy(ROOT / name, source)
         install = [python, "-m", "pip", "install", "--quiet", str(source), *floors]
         for what, command in (("installing", install), ("trying", [python, "-c", SMOKE])):
-            done = subprocess.run(command, cwd=place, timeout=LONGEST_S, check=False)
-            if done.returncode:
+            if subprocess.run(command, cwd=place, timeout=LONGEST_S, check=False).returncode:
                 print(f"{what} the floors failed; the lines above say why.", file=sys.stderr)
                 return 1
     print("the floors are good:", ", ".join(floors))

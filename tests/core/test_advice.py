@@ -18,8 +18,7 @@ def advice_of(*pieces, **fields):
 
 def test_the_advice_of_the_first_scenario():
     """The optimum brakes from 595 m to its limit of 50 km/h at 600 m and from 2198.6 m, in both with all it has."""
-    run = solve(load_scenario("metro-with-limit"))
-    assert run.advice == (
+    assert solve(load_scenario("metro-with-limit")).advice == (
         Instruction("full_power", 0, 36.9),
         Instruction("coast", 43),
         Instruction("brake", 593, 50, 600, fully=True),
@@ -73,8 +72,7 @@ def test_coasting_that_ends_at_a_stop_tells_so():
 def test_a_hold_by_turns_swings_one_kmh_to_each_side_and_below_the_limit(limit_kmh, between):
     """Between 12.2 and 12.5 m/s, 44.5 km/h on average."""
     saw = ((60, 12.2, 0.0), (20, 12.5, 0.5)) * 10
-    told = advice_of((200, 12.5, 1.0), *saw, (500, 10, 0.0), start_ms=5.0, limit_ms=limit_kmh / 3.6)
-    hold = told[1]
+    hold = advice_of((200, 12.5, 1.0), *saw, (500, 10, 0.0), start_ms=5.0, limit_ms=limit_kmh / 3.6)[1]
     assert (hold.action, hold.power_share, hold.to_kmh) == ("hold", 0.5, 44.5)
     assert hold.between_kmh == between
 

@@ -19,11 +19,9 @@ SMALL = replace(PAGE, cell_count=300, strategy_cells={"bellman": 100, "speed_lim
 
 
 def test_the_pages_budget_is_smaller_in_everything():
-    assert (PAGE.row_count, PAGE.cell_count) < (LIBRARY.row_count, LIBRARY.cell_count)
-    assert PAGE.strategy_cells.keys() == LIBRARY.strategy_cells.keys()
-    assert all(PAGE.strategy_cells[name] < most for name, most in LIBRARY.strategy_cells.items())
-    assert (PAGE.idling_cells, PAGE.loop_time_s) < (LIBRARY.idling_cells, LIBRARY.loop_time_s)
-    assert PAGE.loop_steps < LIBRARY.loop_steps
+    page, library = ({**one.__dict__, **one.strategy_cells} for one in (PAGE, LIBRARY))
+    assert page.keys() == library.keys()
+    assert [key for key in page if isinstance(page[key], int | float) and page[key] >= library[key]] == []
 
 
 def test_a_budget_holds_in_its_block_and_its_thread_alone():

@@ -32,8 +32,7 @@ def test_a_closed_account_has_no_imbalance():
 
 @pytest.mark.parametrize("part", ["running_resistance_j", "curve_resistance_j", "kinetic_j", "potential_j"])
 def test_a_joule_too_much_shows_as_a_share_of_what_moved(part):
-    wrong = replace(ACCOUNT, **{part: getattr(ACCOUNT, part) + 4.32e4})
-    assert wrong.imbalance == pytest.approx(4.32e4 / 43.2e6)
+    assert replace(ACCOUNT, **{part: getattr(ACCOUNT, part) + 4.32e4}).imbalance == pytest.approx(4.32e4 / 43.2e6)
 
 
 def test_a_missing_loss_shows_too():
@@ -62,8 +61,7 @@ def test_a_reference_that_is_negative_or_next_to_nothing_is_no_measure(energy, r
 
 
 def test_shares_of_tables_go_cell_by_cell():
-    energies = np.array([[11.0, np.nan], [3.0, 4.0]])
-    share = share_above(energies, np.array([10.0, -1.0])[:, None])
+    share = share_above(np.array([[11.0, np.nan], [3.0, 4.0]]), np.array([10.0, -1.0])[:, None])
     assert share[0, 0] == pytest.approx(0.1)
     assert np.isnan(share).tolist() == [[False, True], [True, True]]
 

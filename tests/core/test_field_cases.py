@@ -50,8 +50,7 @@ def stop(position_m: float, dwell_s: float = 0.0) -> dict[str, Any]:
 
 
 def document(*changes: dict[str, Any]) -> dict[str, Any]:
-    merged = {key: value for change in (FREIGHT, *changes) for key, value in change.items()}
-    return change_document(PLAIN, merged)
+    return change_document(PLAIN, {key: value for change in (FREIGHT, *changes) for key, value in change.items()})
 
 
 class OwnRun:
@@ -230,8 +229,7 @@ def test_train_and_path_of_railtoolkit_have_the_running_time_of_two_passes() -> 
     """TrainRuns.jl, test/data: means over the masses by hand, 8.4 t rotate, the brake is that of freight."""
     pytest.importorskip("yaml")
     train, path = (read_railtoolkit(SourceFile("r.yaml", text.encode())).document for text in RAILTOOLKIT)
-    timetable = {"timetable": {"travel_time_s": 900.0}}
-    run = solve(scenario_from_document({**train, **path, **timetable}), "fastest")
+    run = solve(scenario_from_document({**train, **path, "timetable": {"travel_time_s": 900.0}}), "fastest")
     mass_t, inertia_t = 84 + 2 * 30, 84 * 1.1 + 2 * 30
     by_hand = {
         "vehicle": {

@@ -36,5 +36,4 @@ def test_no_name_of_a_package_hides_a_module_of_it(name):
     """`import railjoule.core.strategies.optimal as m` returns the package's attribute, which must be the module."""
     package = importlib.import_module(name)
     modules = [part.name for part in pkgutil.iter_modules(package.__path__)]
-    hidden = [part for part in modules if not isinstance(getattr(package, part, package), ModuleType)]
-    assert hidden == []
+    assert [part for part in modules if not isinstance(getattr(package, part, package), ModuleType)] == []

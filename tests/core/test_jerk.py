@@ -22,8 +22,7 @@ STARTS, STOPS, TOP = 0.9, 0.6, 20.0
 
 @pytest.mark.parametrize("jerk", [0.3, 0.7])
 def test_a_start_and_a_stop_take_half_a_ramp_longer(jerk):
-    scenario = plain_scenario({**LEVEL, "vehicle.max_jerk_ms3": jerk})
-    run = solve(scenario, "fastest", check=True)
+    run = solve(plain_scenario({**LEVEL, "vehicle.max_jerk_ms3": jerk}), "fastest", check=True)
     plain_s = 2000.0 / TOP + TOP / (2 * STARTS) + TOP / (2 * STOPS)
     assert run.travel_time_s == pytest.approx(plain_s + (STARTS + STOPS) / (2 * jerk), abs=0.02)
     # a start at the rate j reaches a speed a / (2 j) later: v / a + a / (2 j)

@@ -95,8 +95,7 @@ def test_a_passing_point_costs_energy():
 
 
 def test_a_follower_begins_and_ends_in_motion():
-    disturbed = plain_scenario({**MOVING, "disturbance.actual_load_factor": 0.6})
-    run = actual_run(disturbed)
+    run = actual_run(plain_scenario({**MOVING, "disturbance.actual_load_factor": 0.6}))
     assert run.planned.speed_ms[[0, -1]] * 3.6 == pytest.approx([36.0, 54.0])
     assert run.actual.speed_ms[0] * 3.6 == pytest.approx(36.0)
     assert run.actual.speed_ms[-1] * 3.6 == pytest.approx(54.0, rel=1e-3)
@@ -198,5 +197,4 @@ def test_a_run_that_ignores_its_rear_fails_the_check():
     changes = {"vehicle.length_m": 120.0, "line.speed_limits": [{"from_m": 600.0, "to_m": 900.0, "limit_kmh": 40.0}]}
     front = solve(plain_scenario({**changes, "timetable.travel_time_s": 170.0}), "fastest")
     asked = front.scenario.replace(**{"line.limits_hold_for": "whole_train"})
-    failed = {check.name for check in check_run(asked, front).checks if not check.ok}
-    assert "speed limit" in failed
+    assert "speed limit" in {check.name for check in check_run(asked, front).checks if not check.ok}

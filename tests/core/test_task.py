@@ -25,9 +25,7 @@ STOPS = {
 
 def test_dwells_between_the_ends_count_in_the_travel_time_alone():
     task = prepare_task(plain_scenario(STOPS))
-    assert task.dwell_s == 32.5
-    assert task.travel_time_s == 300
-    assert task.running_time_s == 267.5
+    assert (task.dwell_s, task.travel_time_s, task.running_time_s) == (32.5, 300, 267.5)
     assert task.shortest_travel_time_s == task.shortest_time_s + 32.5
     assert task.shortest_time_s == running_time(task.mesh.data.cell_length_m, task.fastest_speed2)
 

@@ -3,12 +3,7 @@ import scipy
 from builders import plain_scenario
 
 from railjoule.core.motion import build_meshed_line
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH, VACUUM_PERMEABILITY_H_PER_M, distinct_numbers
-
-
-def test_factors_by_their_definitions():
-    assert 36 * MS_PER_KMH == 10
-    assert J_PER_KWH == 1000 * 3600
+from railjoule.core.units import VACUUM_PERMEABILITY_H_PER_M, distinct_numbers
 
 
 def test_the_permeability_of_vacuum_is_that_of_scipy():

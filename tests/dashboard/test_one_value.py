@@ -61,8 +61,7 @@ def rows_of(markup: str, first: str) -> Iterator[dict[str, str]]:
         heads = [plain(cell) for cell in re.split(r"<th [^>]*>", head)[1:]]
         if heads[0] == first:
             for row in rows:
-                cells = [plain(cell) for cell in row.split("<td>")[1:]]
-                yield dict(zip(heads, cells, strict=False))
+                yield dict(zip(heads, [plain(cell) for cell in row.split("<td>")[1:]], strict=False))
 
 
 def printed(*arguments: str) -> str:
@@ -166,8 +165,6 @@ class Teller:
         text = plain(card_html(make_card(self.name)).split("</button>")[1])
         length = re.search(rf"({NUMBER}) km(?!/h)", text)
         run = re.search(rf"(?:([A-Z][a-z ]+): )?({NUMBER}) kWh in ({NUMBER}) s", text)
-        assert length is not None
-        assert run is not None
         self.tell("card", "", distance=length[1])
         self.tell("card", NAMES[run[1] or "Optimal"], energy=run[2], time=run[3])
         self.tell("card", "", shown=run[1] or "Optimal")
@@ -207,7 +204,6 @@ class Teller:
         solved = " ".join(printed("solve", self.name).split())
         # a run over nodes of its own may have no bound
         told = re.search(rf"Energy ({NUMBER}) kWh .*?(?: Bound ({NUMBER}) kWh\. .*?)? Time ({NUMBER}) s", solved)
-        assert told is not None
         saved = re.search(rf"would save ({NUMBER}) Wh", solved)
         self.tell("solve", self.first, energy=told[1], bound=told[2], time=told[3], price=saved and saved[1])
 
@@ -234,8 +230,7 @@ def teller(request: pytest.FixtureRequest) -> Teller:
 
 
 def test_what_is_told_of_a_run_reads_alike_everywhere(teller: Teller) -> None:
-    contradictions = {key: texts for key, texts in teller.told.items() if len(set(texts.values())) > 1}
-    assert not contradictions
+    assert not {key: texts for key, texts in teller.told.items() if len(set(texts.values())) > 1}
 
 
 def test_each_quantity_is_read_where_it_stands(teller: Teller) -> None:

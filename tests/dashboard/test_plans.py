@@ -37,8 +37,7 @@ def test_a_failure_keeps_the_runs(plans: Plans) -> None:
 def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("railjoule.dashboard.workbench.FIRST", FirstRuns())
     # as while a session is made, whose event loop others wait for
-    document = Document()
-    with set_curdoc(document):
+    with set_curdoc(Document()):
         first = Plans(Workbench())
         first.take_first()
         assert first.state.runs is None
@@ -49,8 +48,7 @@ def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch
 
 
 def test_the_chosen_strategy_is_drawn_even_if_not_ticked() -> None:
-    state = Workbench(ticked=["fastest"], chosen="enoc")
-    assert state.drawn == ("enoc", "fastest")
+    assert Workbench(ticked=["fastest"], chosen="enoc").drawn == ("enoc", "fastest")
 
 
 def test_where_the_chosen_strategy_refuses_the_optimum_is_shown() -> None:
@@ -63,8 +61,7 @@ def test_where_the_chosen_strategy_refuses_the_optimum_is_shown() -> None:
 def test_further_strategies_leave_what_is_shown_valid():
     state = Workbench(page="Drive")
     plans = Plans(state)
-    scenario = state.scenario.scenario()
-    state.runs = compute_runs(RunsRequest(scenario, ("optimal",)))
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), ("optimal",)))
     plans._mark(True)
     assert state.late == frozenset()
     state.scenario.travel_time_s += 5

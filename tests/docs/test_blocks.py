@@ -90,7 +90,6 @@ def assert_pip_installs(arguments: list[str]) -> None:
     """Hold that pip is asked for this package, with extras that it has."""
     assert arguments[0] == "install"
     extras = re.fullmatch(r"\.(?:\[([\w,]+)\])?", arguments[1].strip("\"'"))
-    assert extras is not None
     assert set((extras[1] or "").split(",")) - {""} <= EXTRAS
 
 
@@ -141,8 +140,7 @@ def slug(heading: str) -> str:
 @pytest.mark.parametrize("page", [README, ROOT / "CHANGELOG.md", ROOT / ".github" / "CONTRIBUTING.md"], ids=name_of)
 def test_links_lead_to_something(page):
     """Those of the documentation itself are held when it is built."""
-    text = page.read_text(encoding="utf-8")
-    for found in LINK.finditer(text):
+    for found in LINK.finditer(page.read_text(encoding="utf-8")):
         link = next(filter(None, found.groups()))
         if link.startswith(("http://", "https://")):
             continue

@@ -42,8 +42,7 @@ def carried_out(guide: str, root: Path) -> Path:
         path = root / added.splitlines()[0].removeprefix("# ")
         path.parent.mkdir(exist_ok=True)
         path.write_text(added, encoding="utf-8")
-    changes = "".join(blocks(guide, "diff"))
-    for change in changes.split("--- ")[1:]:
+    for change in "".join(blocks(guide, "diff")).split("--- ")[1:]:
         name, hunks = change.split("\n", 1)
         text = (root / name).read_text(encoding="utf-8")
         for hunk in hunks.split("@@\n"):
@@ -87,8 +86,7 @@ def after_the_first_hour(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run_in(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run Python with the changed sources."""
-    environment = {**os.environ, "PYTHONPATH": str(folder), "NUMBA_DISABLE_JIT": "1"}
-    return run_python([*arguments], folder, environment)
+    return run_python([*arguments], folder, {**os.environ, "PYTHONPATH": str(folder), "NUMBA_DISABLE_JIT": "1"})
 
 
 def answer(folder: Path, *arguments: str) -> str:

@@ -52,8 +52,7 @@ def test_sections_are_those_of_the_journal():
 
 
 def test_it_is_neither_too_short_nor_too_long():
-    prose = re.sub(r"^\|.*$|^#.*$", "", BODY, flags=re.MULTILINE)
-    assert FEWEST <= len(prose.split()) <= MOST
+    assert FEWEST <= len(re.sub(r"^\|.*$|^#.*$", "", BODY, flags=re.MULTILINE).split()) <= MOST
 
 
 def test_references_are_those_that_are_cited():
@@ -81,7 +80,6 @@ def test_claims_are_counted_by_their_verdicts():
     counts = re.search(
         r"of (\d+) claims, .*?(\d+) are supported, (\d+) are refuted and (\d+) cannot", " ".join(BODY.split())
     )
-    assert counts is not None
     names = ("supports", "refutes", "cannot be decided")
     assert list(map(int, counts.groups())) == [verdicts.total(), *(verdicts[name] for name in names)]
 

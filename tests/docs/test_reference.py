@@ -22,8 +22,7 @@ from railjoule.dashboard.look.tokens import DARK, LIGHT
 
 def commands(parser: argparse.ArgumentParser) -> list[argparse.ArgumentParser]:
     inner = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
-    below = [one for action in inner for child in action.choices.values() for one in commands(child)]
-    return below or [parser]
+    return [one for action in inner for child in action.choices.values() for one in commands(child)] or [parser]
 
 
 def test_every_command_stands_in_it_with_all_its_options():

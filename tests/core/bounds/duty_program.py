@@ -113,8 +113,7 @@ class Problem:
         """Limit of speed at the nodes, the lower one of two cells [m/s]; 0 where the train stands; shape (n + 1,)."""
         vehicle = self.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
         cells = np.minimum(self.route.speed_limit_ms(0.5 * (self.position_m[:-1] + self.position_m[1:])), vehicle)
-        nodes = np.minimum(np.append(cells, np.inf), np.append(np.inf, cells))
-        return np.where(self.stands, 0.0, nodes)
+        return np.where(self.stands, 0.0, np.minimum(np.append(cells, np.inf), np.append(np.inf, cells)))
 
     @property
     def dwell_s(self) -> float:

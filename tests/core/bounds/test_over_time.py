@@ -32,7 +32,6 @@ def line_at(task: Task, share: float) -> Callable[[float], float]:
     """Return the proven energy [J] over the travel time [s], from the optimum at a share of the shortest time."""
     begun = task.shortest_time_s * share
     line = time_line(replace(task, running_time_s=begun))
-    assert line is not None
     return lambda time: line.energy_j - line.price_of_time_w * (time - task.dwell_s - begun)
 
 

@@ -32,8 +32,7 @@ def points(limit, seed):
     """Return random efforts within a limit and speeds, denser near rest and at the limit's ends."""
     rng = np.random.default_rng(seed)
     speed = SLOWEST + (FASTEST - SLOWEST) * rng.random(POINTS) ** 2
-    share = np.clip(rng.uniform(-0.05, 1.05, POINTS), 1e-6, 1.0)
-    return share * limit.effort_n(speed), speed
+    return np.clip(rng.uniform(-0.05, 1.05, POINTS), 1e-6, 1.0) * limit.effort_n(speed), speed
 
 
 @pytest.mark.parametrize("case", CASES, ids=name_of)

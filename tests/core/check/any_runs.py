@@ -1,12 +1,8 @@
-"""The runs of every strategy over the scenarios of `tests.any_scenarios`.
+"""The runs of every strategy over the scenarios of `tests.any_scenarios`; `tests.check_many` drives more of them."""
 
-`python -m tests.core.check.any_runs` prints which rules they break, by strategy and regulator, and for which seeds.
-"""
-
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
-from railjoule.core import Check, RailjouleError, Trajectory, check_run
+from railjoule.core import Check, RailjouleError, Trajectory
 from railjoule.core.bounds import bounded
 from railjoule.core.strategies import STRATEGIES, run_strategy
 from tests.any_scenarios import any_task
@@ -33,19 +29,3 @@ def any_runs(seed: int) -> Iterator[Trajectory]:
 def clear_faults(checks: Iterable[Check]) -> list[Check]:
     """Return the checks of a run that it clearly fails."""
     return [check for check in checks if check.largest > CLEAR * check.allowed]
-
-
-def main() -> None:
-    """Print the seeds of all clear faults."""
-    found = defaultdict(list)
-    for seed in range(SEEDS):
-        for run in any_runs(seed):
-            regulator = run.scenario.search.regulator if run.strategy == "speed_limits" else ""
-            for check in clear_faults(check_run(run.scenario, run).checks):
-                found[run.strategy, check.name, regulator].append(seed)
-    for (strategy, rule, regulator), seeds in sorted(found.items()):
-        print(f"{strategy} {regulator}, {rule}: {seeds}")
-
-
-if __name__ == "__main__":
-    main()

@@ -32,6 +32,5 @@ def test_current_of_one_motor():
     """One of four motors: i = F r / (n k u) = 1e5 * 0.4 / (4 * 5 * 5)."""
     drive = make_drive(DRIVES["copper loss"])
     assert drive.current_a(np.array([1e5, -5e4]), np.array([3.0, 3.0])) == pytest.approx([400.0, -200.0])
-    loss = drive.losses_w(np.array([1e5]), np.array([3.0]))["copper"]
-    assert loss == pytest.approx([4 * 0.1 * 400.0**2])
+    assert drive.losses_w(np.array([1e5]), np.array([3.0]))["copper"] == pytest.approx([4 * 0.1 * 400.0**2])
     assert make_drive(DRIVES["constant efficiency"]).current_a(np.array([1e5]), np.array([3.0])) is None

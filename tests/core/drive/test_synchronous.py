@@ -75,8 +75,7 @@ def test_side_bands_against_a_switched_wave():
     reference = phases - 0.5 * (phases.max(axis=0) + phases.min(axis=0))
     carrier = 2 / np.pi * np.arcsin(np.cos(pulses * angle))
     legs = np.where(reference > carrier, 1.0, -1.0)
-    phase = legs[0] - legs.mean(axis=0)
-    spectrum = 2 * np.abs(np.fft.rfft(phase)) / points
+    spectrum = 2 * np.abs(np.fft.rfft(legs[0] - legs.mean(axis=0))) / points
     assert spectrum[1] == pytest.approx(depth, rel=1e-3)
     bands = side_bands()[depth_index]
     for order in (1, 2):
@@ -144,8 +143,7 @@ def test_the_train_loses_what_the_map_says(share, speed, braking):
 
 
 def test_the_envelope_limits_the_effort():
-    drive = make_drive(PARAMETERS)
-    limit = drive.effort_limit_n(np.array([0.0, 10.0, 20.0]))
+    limit = make_drive(PARAMETERS).effort_limit_n(np.array([0.0, 10.0, 20.0]))
     envelope = torque_envelope(PARAMETERS, np.array([0.0, 10.0, 20.0]) * 5.33 / 0.39)
     assert limit == pytest.approx(12 * envelope * 5.33 / 0.39 / 1.025, rel=5e-3)
 

@@ -49,8 +49,7 @@ def test_a_stretch_lasts_unless_it_is_interrupted(lasting, stop):
 
 @pytest.mark.parametrize("changes", [0, 1, 2])
 def test_regimes_change_so_often_between_two_stops(changes):
-    fixed_speed2 = np.array([0.0, np.nan, np.nan, 0.0, np.nan, 0.0])
-    labels = regime_labels(fixed_speed2, changes)
+    labels = regime_labels(np.array([0.0, np.nan, np.nan, 0.0, np.nan, 0.0]), changes)
     for actions in product((POWER, HOLD, ROLL, REGIME_BRAKE), repeat=5):
         legs = (actions[:3], actions[3:])
         few = all(sum(a != b for a, b in pairwise(leg)) <= changes for leg in legs)

@@ -58,8 +58,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(truths, truth, scenario):
     # Of 10 intervals of 95 %, fewer than 7 contain it once in 1,000.
     held = dict.fromkeys((*RESISTANCE, MASS_FACTOR), 0)
     for seed in range(10):
-        found = fit_runs(recorded(truths[:3], scenario, seed), scenario)
-        for parameter in found.parameters[: len(held)]:
+        for parameter in fit_runs(recorded(truths[:3], scenario, seed), scenario).parameters[: len(held)]:
             held[parameter.name] += parameter.low <= truth[parameter.name] <= parameter.high
     assert min(held.values()) >= 7, held
 
@@ -117,8 +116,7 @@ def test_power_alone_does_not_tell_efficiency_from_inertia_and_resistance():
     found = fit_runs(flat, scenario, (*RESISTANCE, MASS_FACTOR, EFFICIENCY))
     by_effort = fit_runs(recorded(truths[:3], scenario), scenario, (*RESISTANCE, MASS_FACTOR, EFFICIENCY))
     width = {one.name: one.high - one.low for one in found.parameters}
-    known = {one.name: one.high - one.low for one in by_effort.parameters}
-    assert width[EFFICIENCY] > 2 * known[EFFICIENCY]
+    assert width[EFFICIENCY] > 2 * {one.name: one.high - one.low for one in by_effort.parameters}[EFFICIENCY]
     assert {EFFICIENCY, MASS_FACTOR} <= set(found.undetermined)
     assert any({EFFICIENCY, MASS_FACTOR} <= set(group) for group in found.confounded)
     assert EFFICIENCY not in by_effort.undetermined

@@ -28,7 +28,7 @@ def train_with(errors, seed):
 
 
 @cache
-def fit_of(errors, seed, stated=USUAL):
+def fit_train(errors, seed, stated=USUAL):
     """Return the fit to the runs of a train, computed once for all tests."""
     scenario = load_scenario(SCENARIO)
     return fit_runs(train_with(errors, seed).runs(scenario), scenario, stated=stated)
@@ -88,17 +88,17 @@ def test_a_speed_that_is_too_high_fades_by_the_resistance_that_it_meets(scenario
 @pytest.mark.parametrize("stated", [GaugeErrors(), EXACT], ids=["usual", "exact"])
 def test_an_offset_of_the_effort_never_leaves_a_value_outside_its_interval(stated):
     # fault F4 of the third review: A 3462 in "3541 to 6745", B 2.5e-17 in "0 to 0"
-    for one in fit_of(Errors(effort_offset_n=3e3), 5, stated).parameters:
+    for one in fit_train(Errors(effort_offset_n=3e3), 5, stated).parameters:
         assert 0 <= one.low <= one.value <= one.high
         assert one.low < one.high
 
 
 def test_runs_that_contradict_the_model_are_reported():
-    assert fit_of(Errors(), 5).contradiction == ""
-    assert fit_of(Errors(effort_offset_n=8e3), 5).contradiction.startswith(
+    assert fit_train(Errors(), 5).contradiction == ""
+    assert fit_train(Errors(effort_offset_n=8e3), 5).contradiction.startswith(
         "These runs contradict the model, so the intervals are not valid: the offset of the effort would"
     )
-    by_exact = fit_of(Errors(effort_offset_n=8e3), 5, EXACT).contradiction
+    by_exact = fit_train(Errors(effort_offset_n=8e3), 5, EXACT).contradiction
     assert "would be -" in by_exact
     assert "standard deviations away" in by_exact
 
@@ -115,7 +115,7 @@ def test_a_line_that_is_not_that_of_the_runs_is_reported(scenario):
 
 def test_an_exact_meter_gives_the_auxiliaries_by_the_noise_of_its_samples():
     # some 50 samples of coasting a run with 1 % of noise on 20 to 80 kW: 0.06 kW
-    exact, default = fit_of(Errors(), 3, EXACT).parameters[-1], fit_of(Errors(), 3).parameters[-1]
+    exact, default = fit_train(Errors(), 3, EXACT).parameters[-1], fit_train(Errors(), 3).parameters[-1]
     assert exact.name == default.name == AUXILIARY
     assert exact.low <= train_with(Errors(), 3).truth[AUXILIARY] <= exact.high
     assert exact.high - exact.low < 1.0
@@ -124,7 +124,7 @@ def test_an_exact_meter_gives_the_auxiliaries_by_the_noise_of_its_samples():
 
 
 def test_only_gauge_errors_that_count_in_the_runs_are_listed(scenario):
-    fit = fit_of(Errors(), 3)
+    fit = fit_train(Errors(), 3)
     assert [gauge.name for gauge in fit.gauge_errors] == ["effort_gain", "effort_offset", "power_gain", "power_offset"]
     assert "gain of the effort 2 %" in fit.assumed
     # the scale of the speeds is not known where a run does not end in a station

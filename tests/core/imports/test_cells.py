@@ -23,14 +23,12 @@ def test_decimal_commas_do_not_split_rows():
 
 
 def test_rows_are_numbered_as_a_spreadsheet_does():
-    table = cells_of('from,name\n\n0,"two\nlines"\n5,b\n')
-    assert [number for number, _ in table.rows] == [4, 5]
+    assert [number for number, _ in cells_of('from,name\n\n0,"two\nlines"\n5,b\n').rows] == [4, 5]
 
 
 def test_a_title_above_the_table_is_told():
     table = cells_of("Line 12\n\nfrom,to\n0,1\n")
-    assert table.header == ("from", "to")
-    assert table.unused == ("a.csv, row 1: 'Line 12' above the table.",)
+    assert (table.header, table.unused) == (("from", "to"), ("a.csv, row 1: 'Line 12' above the table.",))
 
 
 def test_a_table_without_names_has_columns_by_number():

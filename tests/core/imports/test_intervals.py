@@ -75,9 +75,8 @@ def test_a_table_without_names_goes_by_place():
 def test_presets_read_their_tables(preset):
     kind, columns = PRESETS[preset]
     chosen = ColumnMap(rows={"NOM_VOIE": "V1"} if kind == "gradients" else {}).over(columns)
-    table = read_intervals(SourceFile.read(FILES / f"{preset}.csv"), kind, chosen)
     assert (
-        values(table)
+        values(read_intervals(SourceFile.read(FILES / f"{preset}.csv"), kind, chosen))
         == {
             "gradients": [(12000, 12850, 2.5), (12850, 13400, -4), (13400, 14000, 0), (14200, 15000, 3)],
             "limits": [(12000, 14000, 120), (14200, 15000, 90)],
@@ -106,8 +105,7 @@ def test_level_with_a_gradient_is_asked_about():
     ],
 )
 def test_gradients_with_their_km(text):
-    table = table_of(text)
-    assert values(table) == [(12340, 12690, 2.5), (12690, 13140, -4), (13140, math.inf, 0)]
+    assert values(table_of(text)) == [(12340, 12690, 2.5), (12690, 13140, -4), (13140, math.inf, 0)]
 
 
 def test_gradients_with_their_km_are_of_one_line():
@@ -162,8 +160,7 @@ def test_curves_may_have_gaps():
 
 
 def test_overlaps_and_repeated_rows_are_told():
-    table = table_of("from_m,to_m,limit\n0,100,60\n80,200,50\n80,200,50\n", "limits")
-    assert told(table, "overlap") == [
+    assert told(table_of("from_m,to_m,limit\n0,100,60\n80,200,50\n80,200,50\n", "limits"), "overlap") == [
         "a.csv: rows 2 and 3 overlap from 80 to 100 m; the lower counts.",
         "a.csv: row 4 repeats row 3.",
     ]

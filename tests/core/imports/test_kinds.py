@@ -51,8 +51,7 @@ def test_two_sheets_of_one_kind_are_asked_about():
     sheets = {**SHEETS, "Down": SHEETS["Speeds"]}
     with pytest.raises(ScenarioError, match=r"the sheets Speeds, Down are all tables of limits; choose one, as lim"):
         found_in(sheets)
-    found = found_in(sheets, {"limits": "Down"})
-    assert found.tables["limits"][0].name == "line.xlsx, Down"
+    assert found_in(sheets, {"limits": "Down"}).tables["limits"][0].name == "line.xlsx, Down"
 
 
 def test_a_file_without_a_table_is_refused():

@@ -43,8 +43,7 @@ def test_sections_lie_between_all_changes():
 def test_the_toml_is_the_line_of_a_scenario():
     text = build_line(**tables("gradients", "limits")).to_toml()
     assert text.startswith("# Imported from gradients.csv, limits.csv.\n# limits.csv: no unit is named for 'from'")
-    scenario = scenario_from_document({**tomllib.loads(text), **VEHICLE})
-    assert scenario.line.length_m == 1500
+    assert scenario_from_document({**tomllib.loads(text), **VEHICLE}).line.length_m == 1500
 
 
 def test_the_csv_is_the_file_of_a_line(tmp_path):
@@ -62,8 +61,7 @@ def test_a_names_line_break_cannot_leave_the_comment():
 def test_running_in_falling_chainage_mirrors_positions_and_gradients():
     forward = build_line(**tables("gradients", "limits", "curves"))
     backward = build_line(**tables("gradients", "limits", "curves"), reverse=True)
-    turned = forward.line.model_copy(update={"reverse": True}).in_running_order()
-    assert backward.line.sections == turned.sections
+    assert backward.line.sections == forward.line.model_copy(update={"reverse": True}).in_running_order().sections
     assert backward.is_reversed
 
 
@@ -84,8 +82,7 @@ def test_what_counts_where_rows_overlap():
 
 
 def test_overlaps_count_alike_in_both_directions():
-    gradients = table_of("from,to,gradient\n0,200,5\n50,100,-5\n", "gradients")
-    line = build_line(gradients=gradients, reverse=True)
+    line = build_line(gradients=table_of("from,to,gradient\n0,200,5\n50,100,-5\n", "gradients"), reverse=True)
     assert [(s.length_m, s.gradient_permille) for s in line.line.sections] == [(100, -5), (50, 5), (50, -5)]
 
 
@@ -117,8 +114,7 @@ def test_a_gap_of_all_tables_is_asked_about_as_a_jump():
 
 def test_a_place_without_an_end_reaches_to_the_end_of_the_line():
     gradients = table_of("position,gradient\n0,3\n100,1\n", "gradients")
-    limits = table_of("from,to,limit\n0,400,60\n", "limits")
-    line = build_line(gradients=gradients, limits=limits)
+    line = build_line(gradients=gradients, limits=table_of("from,to,limit\n0,400,60\n", "limits"))
     assert [(s.length_m, s.gradient_permille) for s in line.line.sections] == [(100, 3), (300, 1)]
     assert sentences(line, "gap") == []
 

@@ -239,15 +239,13 @@ paths:
 
 
 def test_an_engine_of_another_kind_is_asked_about():
-    train = changed(TRAIN, ("power_type: electric", "power_type: diesel"))
-    assert told(train, "question") == [
+    assert told(changed(TRAIN, ("power_type: electric", "power_type: diesel")), "question") == [
         "a.yaml: vehicle unit is diesel: its efforts are taken, and its energy counts as electric."
     ]
 
 
 def test_another_version_is_told():
-    train = changed(TRAIN, ("2022.05", "2030.01"))
-    (question,) = told(train, "question")
+    (question,) = told(changed(TRAIN, ("2022.05", "2030.01")), "question")
     assert question.startswith("a.yaml: its schema_version is '2030.01', and 2022.05 to 2024.07 are known")
 
 

@@ -61,8 +61,7 @@ def test_a_sheet_is_chosen_by_its_name():
 
 def test_the_only_sheet_that_holds_anything_needs_no_name():
     source = SourceFile("line.xlsx", workbook([["from", "to"], [0, 1]], ("Line", EMPTY)))
-    assert read_cells(source).rows == ((2, (0.0, 1.0)),)
-    assert read_cells(source).unused == ()
+    assert (read_cells(source).rows, read_cells(source).unused) == (((2, (0.0, 1.0)),), ())
 
 
 def test_a_formula_without_its_result_is_no_empty_cell():
@@ -94,8 +93,7 @@ def test_a_cell_far_down_is_refused():
 
 
 def test_a_size_that_the_file_claims_costs_nothing():
-    content = workbook([["from", "to"], [0, 1]])
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+    with zipfile.ZipFile(io.BytesIO(workbook([["from", "to"], [0, 1]]))) as archive:
         files = [(part, archive.read(part)) for part in archive.namelist()]
     claimed = [(name, data.replace(b'ref="A1:B2"', b'ref="A1:XFD1048576"')) for name, data in files]
     assert any(b"XFD1048576" in data for _, data in claimed)

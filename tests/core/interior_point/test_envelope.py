@@ -58,8 +58,7 @@ def test_it_is_convex_in_effort_at_the_speeds_of_the_table(case, braking):
     allowed = ROUNDING * max_power(data, braking)
     for k in range(5, RAY_COUNT - 1, 7):
         limit = max_effort(data.braking if braking else data.traction, k * speed_step)
-        values = table[int(braking), k, : int(limit / step) + 1, 0]
-        assert np.all(np.diff(values, 2) >= -allowed)
+        assert np.all(np.diff(table[int(braking), k, : int(limit / step) + 1, 0], 2) >= -allowed)
 
 
 @pytest.mark.parametrize("braking", [False, True])

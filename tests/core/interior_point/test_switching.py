@@ -41,10 +41,8 @@ def test_the_hull_lies_below_all_mixtures_and_is_one(braking, limit, speed):
 
 @pytest.mark.parametrize("speed", [0.5, 0.8, 1.2, 3.0])
 def test_the_hull_with_a_standstill_brake_is_convex_and_no_power_is_drawn(speed):
-    most = DATA.braking.constant_n
-    efforts = np.linspace(0, most, 200)
+    efforts = np.linspace(0, DATA.braking.constant_n, 200)
     values = np.array([hull_with_standstill_brake(*DRIVE, DATA.braking, x, speed, 0.0)[0][0] for x in efforts])
     assert np.all(values <= 1e-9)
     assert np.all(np.diff(values, 2) >= -1e-6 * max(-values.min(), 1))
-    true = np.minimum([power(True, max(x, 1e-3), speed) for x in efforts], 0.0)
-    assert np.all(values <= true + 1e-6)
+    assert np.all(values <= np.minimum([power(True, max(x, 1e-3), speed) for x in efforts], 0.0) + 1e-6)

@@ -71,6 +71,5 @@ def test_effort_changes_no_faster_than_its_rate():
 def test_brakes_that_are_weaker_than_the_curve_overshoot():
     """A fifth of the brakes of which the curve was made: too fast for the last step, whatever it is."""
     mesh = prepare_task(plain_scenario()).mesh
-    weak = mesh.data._replace(braking=mesh.data.braking._replace(constant_n=16e3))
-    *_, status = driven(mesh, data=weak)
+    *_, status = driven(mesh, data=mesh.data._replace(braking=mesh.data.braking._replace(constant_n=16e3)))
     assert status == OVERSHOOTS

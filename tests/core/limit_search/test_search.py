@@ -72,5 +72,4 @@ def test_the_best_braked_limits_are_one_limit(scenario):
 
 def test_braking_for_limits_costs_a_fifth_more(scenario, optimum):
     """findings.md: 16 to 22 % on another assumed line; here 26 and 23 %."""
-    run = solve(scenario.replace(**{"search.regulator": "brake"}))
-    assert 1.15 < run.energy_kwh / optimum < 1.30
+    assert 1.15 < solve(scenario.replace(**{"search.regulator": "brake"})).energy_kwh / optimum < 1.30

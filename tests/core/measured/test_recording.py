@@ -14,8 +14,7 @@ def table(rows, head="time_s,speed_kmh"):
 
 def plain(count=20):
     """A train that starts with 1 km/h a second, and stops again; 0 at both ends."""
-    speeds = [*range(count // 2), *range(count // 2, -1, -1)]
-    return [[second, speed] for second, speed in enumerate(speeds)]
+    return [[second, speed] for second, speed in enumerate([*range(count // 2), *range(count // 2, -1, -1)])]
 
 
 def refusal(text, form=None):
@@ -90,8 +89,7 @@ def test_refuses_two_columns_of_a_quantity():
 
 def test_refuses_a_wrong_unit_that_the_position_shows():
     rows = [[second, speed, 2 * second] for second, speed in plain()]
-    sentence = refusal(table(rows, "time_s,speed_kmh,position_m"))
-    assert "covers 27.778 m, but position_m rises by 40 m" in sentence
+    assert "covers 27.778 m, but position_m rises by 40 m" in refusal(table(rows, "time_s,speed_kmh,position_m"))
 
 
 def test_a_position_that_was_reset_is_left_out():
@@ -176,8 +174,7 @@ def test_a_run_over_distance_has_the_time_of_its_speeds():
 
 @pytest.mark.parametrize(("step", "unit"), [(0.1, 1.0), (1.0, 1 / 3.6), (0.5, 1.0)])
 def test_finds_in_which_steps_a_speed_is_given(step, unit):
-    values = np.round(np.linspace(0, 20, 77) / step) * step
-    assert quantisation(values) * unit == pytest.approx(step * unit)
+    assert quantisation(np.round(np.linspace(0, 20, 77) / step) * step) * unit == pytest.approx(step * unit)
 
 
 def test_a_continuous_speed_has_no_steps():
@@ -188,8 +185,7 @@ def test_a_start_between_two_samples_is_found():
     # 1 m/s2 from 0.4 s on
     time = np.arange(5.0)
     moved = between_samples(time, np.maximum(time - 0.4, 0.0))
-    assert moved[0] == pytest.approx(0.4)
-    assert moved[1:] == pytest.approx(time[1:])
+    assert (moved[0], moved[1:]) == (pytest.approx(0.4), pytest.approx(time[1:]))
 
 
 def test_a_shipped_run_is_read_as_it_was_driven(tmp_path):
@@ -260,8 +256,7 @@ def test_plain_names_of_current_and_voltage_are_those_of_the_line():
     # alone, a current may be that of a motor; beside a power it is not asked for
     alone = read_recording(table([row[:3] for row in rows], "time_s,speed_kmh,current_a"), "run.csv")
     assert alone.supply_current_a is None
-    powered = read_recording(table(rows, "time_s,speed_kmh,power_kw,voltage_v"), "run.csv")
-    assert powered.line_voltage_v is None
+    assert read_recording(table(rows, "time_s,speed_kmh,power_kw,voltage_v"), "run.csv").line_voltage_v is None
 
 
 def test_a_sensor_that_shows_a_speed_at_standstill_begins_and_ends_at_rest():

@@ -52,12 +52,10 @@ def test_a_run_of_many_samples_is_smoothed_by_their_means(scenario):
 
 def test_raw_steps_would_cost_more_than_they_did(scenario):
     # why there is a smoothing at all: a train that coasts would be paid for in traction and brakes in turn
-    run = solve(scenario)
-    recording = read_recording(as_csv(samples(run)), "run.csv")
+    recording = read_recording(as_csv(samples(solve(scenario))), "run.csv")
     steps = np.diff(recording.speed_ms) / np.diff(recording.time_s)
     kept, coasts = smoothed_speed(recording.time_s, recording.speed_ms, 0.1, 0.0, np.zeros(len(steps)))
-    changes = np.abs(np.diff(np.diff(kept) / np.diff(recording.time_s))).sum()
-    assert changes < 0.5 * np.abs(np.diff(steps)).sum()
+    assert np.abs(np.diff(np.diff(kept) / np.diff(recording.time_s))).sum() < 0.5 * np.abs(np.diff(steps)).sum()
     assert np.max(np.abs(kept - recording.speed_ms)) <= 0.05 + 1e-9
     assert coasts.dtype == bool
 
@@ -77,8 +75,7 @@ def test_the_account_of_what_was_measured_names_what_no_model_explains(scenario)
 
 def test_stops_are_kept_with_their_dwells():
     scenario = load_scenario("metro-10-stations")
-    run = solve(scenario)
-    found = run_of(scenario, run).scenario.line.inner_stations
+    found = run_of(scenario, solve(scenario)).scenario.line.inner_stations
     stations = scenario.line.inner_stations
     assert [stop.name for stop in found] == [station.name for station in stations]
     for stop, station in zip(found, stations, strict=True):
@@ -159,8 +156,7 @@ def test_refuses_a_meter_that_was_reset(scenario):
 
 
 def test_a_run_that_the_model_cannot_drive_has_no_saving(scenario):
-    weak = scenario.replace(**{"vehicle.traction.max_power_kw": 1500})
-    run = run_of(weak, solve(scenario, "fastest"))
+    run = run_of(scenario.replace(**{"vehicle.traction.max_power_kw": 1500}), solve(scenario, "fastest"))
     assert any("more tractive effort than the scenario's vehicle has" in note for note in run.notes)
     with pytest.raises(RecordingError, match="but the scenario's train needs at least"):
         possible_saving(run)

@@ -141,8 +141,7 @@ def test_current_times_voltage_is_the_power_where_nothing_else_tells_it():
 
 
 def test_times_follow_from_positions_where_none_are_told():
-    run = run_of("position_m,speed_ms\n0,0\n10,10\n30,10\n")
-    assert run.columns["time_s"].tolist() == [0, 2, 4]
+    assert run_of("position_m,speed_ms\n0,0\n10,10\n30,10\n").columns["time_s"].tolist() == [0, 2, 4]
 
 
 @pytest.mark.parametrize(
@@ -157,8 +156,7 @@ def test_times_follow_from_positions_where_none_are_told():
     ],
 )
 def test_clocks(times, expected):
-    run = run_of(f"time,speed_kmh\n{times[0]},1\n{times[1]},1\n")
-    assert run.columns["time_s"].tolist() == expected
+    assert run_of(f"time,speed_kmh\n{times[0]},1\n{times[1]},1\n").columns["time_s"].tolist() == expected
 
 
 def test_falling_positions_are_counted_from_the_first():

@@ -44,8 +44,7 @@ def test_ends_and_stops_are_fixed():
 def test_own_nodes():
     nodes = np.array([0.0, 500.0, 1300.0, 2000.0])
     mesh = build_meshed_line(plain_scenario(), position_m=nodes)
-    assert mesh.cell_count == 3
-    assert mesh.length_m == 2000
+    assert (mesh.cell_count, mesh.length_m) == (3, 2000)
     assert (mesh.position_m == nodes).all()
 
 

@@ -90,8 +90,7 @@ def test_against_the_reference(changes):
 @given(st.integers(0, 10**6))
 def test_random_courses_against_the_reference(seed):
     run = random_run(seed, stops=seed % 2 == 1)
-    coarse = run.scenario.replace(**{"solver.mesh_m": max(run.mesh.length_m / 25, 20.0)})
-    mesh = build_meshed_line(coarse)
+    mesh = build_meshed_line(run.scenario.replace(**{"solver.mesh_m": max(run.mesh.length_m / 25, 20.0)}))
     speed2, obstacle, _ = max_speeds(mesh.data)
     if obstacle == MOVED:
         assert speed2 == pytest.approx(reference(mesh), rel=1e-7, abs=1e-7)

@@ -35,8 +35,7 @@ def speed_ms(mesh, place_m):
 
 def distance_m(slow2, fast2, steps):
     """Return how long the curve takes from one square of speed to another: the sum of dv^2 / (2 a) over the steps."""
-    begins = [(kmh / 3.6) ** 2 for kmh, _ in steps]
-    parts = zip(pairwise([*begins, np.inf]), steps, strict=True)
+    parts = zip(pairwise([*[(kmh / 3.6) ** 2 for kmh, _ in steps], np.inf]), steps, strict=True)
     return sum(max(min(fast2, end) - max(slow2, begin), 0.0) / (2 * a) for (begin, end), (_, a) in parts)
 
 
@@ -124,8 +123,7 @@ def test_a_run_along_the_nodes_is_never_above_the_curve(rates, borders, mesh_m):
     # arriving at the stop: what its node permits but for it holds for leaving it
     arriving = np.where(data.fixed_speed2 >= 0, np.minimum(data.fixed_speed2, data.limit_speed2), data.limit_speed2)
     arriving[0] = data.limit_speed2[0]
-    run2 = np.interp(places, mesh.position_m, arriving)
-    assert (run2 <= top2 * (1 + 1e-9) + 1e-9).all()
+    assert (np.interp(places, mesh.position_m, arriving) <= top2 * (1 + 1e-9) + 1e-9).all()
 
 
 def test_the_curve_ends_where_a_limit_falls_and_not_where_one_ends():

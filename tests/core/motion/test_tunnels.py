@@ -72,8 +72,7 @@ def test_nodes_where_a_cars_centre_changes_its_section():
 
 
 def test_the_metro_lies_in_a_tunnel():
-    mesh = build_meshed_line(load_scenario("kharkiv-like-20kmh"))
-    assert mesh.tunnel_factor == pytest.approx(1.5)
+    assert build_meshed_line(load_scenario("kharkiv-like-20kmh")).tunnel_factor == pytest.approx(1.5)
 
 
 def test_cars_on_a_line_of_one_section():
@@ -88,6 +87,5 @@ def test_a_place_that_several_cars_share_is_one_node():
     A cell of 1e-12 m is what is left of both, over which the interior point found no optimum.
     """
     sections = [{"length_m": 100.1 if k == 0 else 14.65, "gradient_permille": float(k)} for k in range(12)]
-    line = Line.model_validate({"sections": sections})
-    places = car_crossings(line, TrainExtent(58.6, 4).felt_behind_m)
+    places = car_crossings(Line.model_validate({"sections": sections}), TrainExtent(58.6, 4).felt_behind_m)
     assert np.diff(places).min() > 1.0

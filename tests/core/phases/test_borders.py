@@ -32,8 +32,7 @@ def with_one_effort_a_cell(switch_m, cell_m=10.0, length_m=400.0):
 def test_full_power_ends_within_its_cell(switch_m):
     run, _ = with_one_effort_a_cell(switch_m)
     full, coast = find_phases(run)
-    assert (full.phase, coast.phase) == ("full_power", "coast")
-    assert full.end_m == pytest.approx(switch_m, abs=1e-6)
+    assert (full.phase, coast.phase, full.end_m) == ("full_power", "coast", pytest.approx(switch_m, abs=1e-6))
     assert full.end_ms**2 == pytest.approx(25.0 + 2 * (LARGEST_N - RESISTANCE_N) / INERTIA_KG * switch_m)
     # the cell's energy is that of the power
     assert (full.energy_j, coast.energy_j) == (pytest.approx(LARGEST_N * switch_m), 0.0)
@@ -65,8 +64,7 @@ def test_short_power_between_coasting_is_full_power_for_a_part_of_it():
 )
 def test_power_that_advice_cannot_tell_is_coasting(before_m, share, names):
     faster = (100 + 2 * share * LARGEST_N * 0.4 / INERTIA_KG) ** 0.5
-    run = run_of((before_m, 10, 0.0), (0.4, faster, share), (300, faster, 0.0))
-    phases = find_phases(run)
+    phases = find_phases(run_of((before_m, 10, 0.0), (0.4, faster, share), (300, faster, 0.0)))
     assert [phase.phase for phase in phases] == names
     assert sum(phase.energy_j for phase in phases) == pytest.approx(share * LARGEST_N * 0.4)
 
@@ -77,8 +75,7 @@ def test_a_brake_begins_within_its_first_cell():
     end = (slower**2 - 2 * LARGEST_N * 50 / INERTIA_KG) ** 0.5
     phases = find_phases(run_of((300, 20, 0.0), (10, slower, -0.25), (50, end, -1.0), start_ms=20.0))
     assert in_short(phases) == [("coast", 0, pytest.approx(307.5)), ("brake", pytest.approx(307.5), 360)]
-    assert phases[1].start_ms == pytest.approx(20)
-    assert phases[1].effort_share == pytest.approx(1)
+    assert (phases[1].start_ms, phases[1].effort_share) == (pytest.approx(20), pytest.approx(1))
 
 
 def test_straight_pieces_stay_near_the_run_and_keep_its_time():
@@ -89,8 +86,7 @@ def test_straight_pieces_stay_near_the_run_and_keep_its_time():
     for phase in run.phases:
         inside = (run.position_m >= phase.start_m) & (run.position_m <= phase.end_m)
         place = run.position_m[inside]
-        ends2 = phase.start_ms**2, phase.end_ms**2
-        straight = np.sqrt(np.interp(place, (phase.start_m, phase.end_m), ends2))
+        straight = np.sqrt(np.interp(place, (phase.start_m, phase.end_m), (phase.start_ms**2, phase.end_ms**2)))
         if phase.phase == "hold":
             straight = np.full(len(place), phase.mean_speed_ms)
         assert np.max(np.abs(straight - run.speed_ms[inside])) * 3.6 <= (1.0 if phase.phase == "hold" else 0.5)

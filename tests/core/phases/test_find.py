@@ -16,8 +16,7 @@ from railjoule.core.units import J_PER_KWH
 
 
 def test_the_classical_run():
-    run = run_of((100, 15, 1.0), (400, 15, 0.1), (300, 12, 0.0), (100, 0.0, -0.8), start_ms=0.0)
-    phases = find_phases(run)
+    phases = find_phases(run_of((100, 15, 1.0), (400, 15, 0.1), (300, 12, 0.0), (100, 0.0, -0.8), start_ms=0.0))
     assert in_short(phases) == [("full_power", 0, 100), ("hold", 100, 500), ("coast", 500, 800), ("brake", 800, 900)]
     first, second = phases[:2]
     assert (first.start_s, first.start_ms, first.end_ms) == (0, 0, pytest.approx(15))

@@ -24,8 +24,7 @@ from railjoule.core.phases import find_phases
 )
 def test_name_of_a_phase(end_ms, share, name):
     """Holding may take power uphill and brakes downhill; coasting depends only on the effort."""
-    phases = find_phases(run_of((200, end_ms, share)))
-    assert {phase.phase for phase in phases} == {name}
+    assert {phase.phase for phase in find_phases(run_of((200, end_ms, share)))} == {name}
 
 
 def test_a_hold_takes_power_and_brakes_and_short_coasting():
@@ -42,14 +41,12 @@ def test_holds_of_two_limits_are_two():
     pieces = ((490, 56.6 / 3.6, 0.1), (10, 56.1 / 3.6, -0.3), (500, 56.1 / 3.6, 0.1))
     phases = find_phases(run_of(*pieces, start_ms=56.6 / 3.6, limit_ms=limit))
     assert in_short(phases) == [("hold", 0, 490), ("brake", 490, 500), ("hold", 500, 1000)]
-    free = find_phases(run_of(*pieces, start_ms=56.6 / 3.6))
-    assert in_short(free) == [("hold", 0, 1000)]
+    assert in_short(find_phases(run_of(*pieces, start_ms=56.6 / 3.6))) == [("hold", 0, 1000)]
 
 
 def test_a_speed_that_drifts_is_not_held():
     """0.1 m/s2 over 30 s are 11 km/h."""
-    phases = find_phases(run_of((400, 20, 0.5), start_ms=17.9))
-    assert {phase.phase for phase in phases} == {"part_power"}
+    assert {phase.phase for phase in find_phases(run_of((400, 20, 0.5), start_ms=17.9))} == {"part_power"}
 
 
 def test_a_train_that_all_but_stands_stands():

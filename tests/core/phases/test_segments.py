@@ -14,8 +14,7 @@ def saw(count, low_ms, high_ms, power_m=20.0, coast_m=60.0, share=0.5):
 
 def test_pulses_of_one_mean_speed_are_a_hold_by_turns():
     run = run_of((200, 12.5, 1.0), *saw(10, 12.2, 12.5), (500, 10, 0.0), start_ms=5.0)
-    names = [phase.phase for phase in find_phases(run)]
-    assert names == ["full_power", "hold", "part_power", "coast"]
+    assert [phase.phase for phase in find_phases(run)] == ["full_power", "hold", "part_power", "coast"]
     hold, aimed = find_phases(run)[1:3]
     assert hold.effort_share == pytest.approx(0.5)
     assert 12.2 < hold.mean_speed_ms < 12.5
@@ -34,8 +33,7 @@ def test_pulses_that_gain_speed_are_part_power():
     pieces = []
     for k in range(6):
         pieces += [(30.0, 9.8 + 1.6 * k, 0.0), (20.0, 11.4 + 1.6 * k, 0.9)]
-    phases = find_phases(run_of((300, 10, 0.0), *pieces, (500, 15, 0.0)))
-    middle = phases[1:-1]
+    middle = find_phases(run_of((300, 10, 0.0), *pieces, (500, 15, 0.0)))[1:-1]
     assert {phase.phase for phase in middle} == {"part_power"}
     assert len(middle) < 6
     assert all(phase.end_s - phase.start_s >= 5 for phase in middle)

@@ -56,14 +56,12 @@ def test_a_stretch_lasts_its_cells_and_half_of_the_longest():
 
 
 def test_a_stop_ends_a_stretch_that_nobody_switches():
-    actions = [DRIVE, OFF, DRIVE, BRAKE, DRIVE, OFF]
-    assert lasting(actions, from_rest=[0, 4]) == [1.5, 1.5, 1.5, NEVER, 1.5, NEVER]
+    assert lasting([DRIVE, OFF, DRIVE, BRAKE, DRIVE, OFF], from_rest=[0, 4]) == [1.5, 1.5, 1.5, NEVER, 1.5, NEVER]
 
 
 def test_a_neutral_section_cuts_what_nobody_switches():
     """It lies over cells 3 and 4; what is driven before it and behind it, and off within, was not ended by choice."""
-    actions = [DRIVE, OFF, DRIVE, OFF, OFF, DRIVE, OFF, DRIVE, OFF]
-    cut = lasting(actions, from_rest=[0], cut=[3, 5])
+    cut = lasting([DRIVE, OFF, DRIVE, OFF, OFF, DRIVE, OFF, DRIVE, OFF], from_rest=[0], cut=[3, 5])
     assert cut == [1.5, 1.5, NEVER, NEVER, NEVER, NEVER, 1.5, 1.5, NEVER]
 
 

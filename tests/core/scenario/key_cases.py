@@ -52,8 +52,7 @@ def in_closed_loop(scenario: Scenario) -> Numbers:
 
 def by_chance(scenario: Scenario) -> Numbers:
     """Return the draws of a Monte Carlo study and their runs."""
-    table = monte_carlo(scenario)
-    return list(table.columns.values())
+    return list(monte_carlo(scenario).columns.values())
 
 
 def timetable(scenario: Scenario) -> Numbers:

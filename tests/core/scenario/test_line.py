@@ -15,7 +15,6 @@ LENGTH_M = sum(section["length_m"] for section in HILLS)
 @st.composite
 def lines(draw):
     ends = sorted(draw(st.lists(st.integers(0, int(LENGTH_M)), min_size=2, max_size=2, unique=True)))
-    stations = sorted(draw(st.lists(st.integers(0, int(LENGTH_M) // 2), max_size=4, unique=True)))
     return Line.model_validate(
         {
             "sections": HILLS,
@@ -24,7 +23,7 @@ def lines(draw):
             # at either end the run begins and ends without a dwell
             "stations": [
                 {"position_m": 2 * place, "dwell_s": 10 + place if 0 < 2 * place < LENGTH_M else 0}
-                for place in stations
+                for place in sorted(draw(st.lists(st.integers(0, int(LENGTH_M) // 2), max_size=4, unique=True)))
             ],
         }
     )

@@ -21,8 +21,7 @@ def test_tonnes_and_shares_are_the_same_load() -> None:
     for vehicle in (by_share, by_mass):
         assert (vehicle.total_mass_kg, vehicle.load_share) == (115e3, 0.25)
         assert vehicle.total_inertia_kg == pytest.approx(1.1 * 115e3)
-    passengers = plain_scenario({"vehicle.load_t": 12.0}).vehicle
-    assert passengers.load_share == pytest.approx(12e3 / (400 * 75))
+    assert plain_scenario({"vehicle.load_t": 12.0}).vehicle.load_share == pytest.approx(12e3 / (400 * 75))
 
 
 def test_without_a_capacity_tonnes_are_the_capacity() -> None:
@@ -35,8 +34,7 @@ def test_without_a_capacity_tonnes_are_the_capacity() -> None:
 def test_a_load_is_saved_as_it_is_written(changes: dict[str, object]) -> None:
     scenario = freight(changes) if "vehicle.load_t" in changes else plain_scenario({})
     if "vehicle.preset" in changes:
-        vehicle = {"preset": "metro-81-7036", "load_t": 10.0}
-        scenario = plain_scenario({"vehicle": vehicle})
+        scenario = plain_scenario({"vehicle": {"preset": "metro-81-7036", "load_t": 10.0}})
         assert scenario.vehicle.load_t == 10.0
         assert len(format_scenario(scenario).split("[vehicle]")[1].split("[")[0].strip().splitlines()) == 2
     assert parse_scenario(format_scenario(scenario)) == scenario
@@ -53,14 +51,12 @@ def test_a_load_is_saved_as_it_is_written(changes: dict[str, object]) -> None:
 )
 def test_the_actual_load_replaces_the_planned_one(changes: dict[str, object], mass_t: float) -> None:
     scenario = freight({"vehicle.load_t": 15.0, **changes})
-    actual = actual_vehicle(scenario).vehicle
-    assert actual.total_mass_kg == pytest.approx(1000 * mass_t)
+    assert actual_vehicle(scenario).vehicle.total_mass_kg == pytest.approx(1000 * mass_t)
     assert scenario.actual_load_share == pytest.approx((mass_t - 100) / 60)
 
 
 def test_monte_carlo_draws_shares_around_the_tonnes() -> None:
-    scenario = freight({"vehicle.load_t": 30.0, "montecarlo.runs": 500})
-    loads = draw(scenario)["load_factor"]
+    loads = draw(freight({"vehicle.load_t": 30.0, "montecarlo.runs": 500}))["load_factor"]
     assert abs(float(loads.mean()) - 0.5) < 0.03
     assert 0 <= float(loads.min()) < float(loads.max()) <= 1
 

@@ -56,13 +56,11 @@ def test_the_electric_brakes_curve_and_the_breakdown_move_with_the_voltage():
 
 def test_head_wind_costs_energy_and_less_voltage_costs_time():
     scenario = load_scenario("liashenko-ii")
-    windy = simulate_following(scenario.replace(**{"disturbance.resistance_factor": 1.2}))
-    assert windy.overconsumption > 0.005
+    assert simulate_following(scenario.replace(**{"disturbance.resistance_factor": 1.2})).overconsumption > 0.005
     tight = scenario.replace(**{"timetable.travel_time_s": 100.0, "disturbance.line_voltage_factor": 0.5})
     assert simulate_following(tight).delay_s > 0.5
     late = simulate_following(scenario.replace(**{"disturbance.departure_delay_s": 12.0}))
-    assert late.delay_s == pytest.approx(12.0, abs=1e-6)
-    assert late.overconsumption == pytest.approx(0, abs=1e-9)
+    assert (late.delay_s, late.overconsumption) == (pytest.approx(12.0, abs=1e-6), pytest.approx(0, abs=1e-9))
 
 
 def test_kinds_of_cars_and_a_synchronous_drive_are_disturbed_as_well():
@@ -113,8 +111,7 @@ def test_the_run_and_the_draw_bear_the_note():
     scenario = load_scenario("liashenko-ii").replace(**{"vehicle.traction.max_power_kw": None, **VOLTAGE})
     notes = voltage_notes(scenario.vehicle)
     assert simulate_following(scenario).actual.notes == notes
-    table = monte_carlo(scenario.replace(**{"montecarlo.runs": 1}))
-    assert table.notes == notes
+    assert monte_carlo(scenario.replace(**{"montecarlo.runs": 1})).notes == notes
     assert len(notes) == 1
 
 

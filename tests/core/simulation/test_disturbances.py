@@ -52,8 +52,7 @@ def test_each_second_of_delay_saves(late_s, energy_kwh):
     """The driver of findings.md who may arrive late, without recuperation."""
     ride = simulate_disturbances(tram(accepted_delay_s=late_s), "driver")
     assert ride.actual.energy_kwh == pytest.approx(energy_kwh, rel=5e-3)
-    assert ride.delay_s == pytest.approx(late_s, abs=1e-3)
-    assert ride.notes == ()
+    assert (ride.delay_s, ride.notes) == (pytest.approx(late_s, abs=1e-3), ())
 
 
 def test_without_events_the_plan_comes_true():
@@ -66,8 +65,7 @@ def test_without_events_the_plan_comes_true():
 def test_who_knows_more_needs_less(strategy):
     scenario = metro(strategy, 240.0, stops=[{"position_m": 900.0, "duration_s": 20.0, "noticed_at_m": 500.0}])
     energy = {one: simulate_disturbances(scenario, one).actual.energy_kwh for one in ("driver", "computer", "known")}
-    undisturbed = simulate_disturbances(metro(strategy, 240.0)).actual.energy_kwh
-    assert undisturbed < energy["known"] * (1 + 1e-6)
+    assert simulate_disturbances(metro(strategy, 240.0)).actual.energy_kwh < energy["known"] * (1 + 1e-6)
     assert energy["known"] <= energy["computer"] * (1 + 1e-3)
     assert energy["computer"] <= energy["driver"] * (1 + 1e-3)
 
@@ -91,14 +89,12 @@ def test_rides_close_their_account_and_stop_where_they_must(position, notice, du
         # a driver who holds a low speed may come too late, one who plans does not
         assert reaction == "driver" or ride.notes == ()
         assert ride.delay_s >= -1e-3
-        standing = np.diff(run.time_s)[np.diff(run.position_m) == 0].sum()
-        assert standing == pytest.approx(duration, abs=1e-6)
+        assert np.diff(run.time_s)[np.diff(run.position_m) == 0].sum() == pytest.approx(duration, abs=1e-6)
         assert run.speed_ms[np.argmin(np.abs(run.position_m - position))] == pytest.approx(0, abs=1e-6)
         energies.append(run.energy_kwh if ride.delay_s < 1e-3 else np.inf)
     driver, computer, known = energies
     # an unplanned stop never saves energy at the same arrival, and who learns of it earlier never needs more
-    undisturbed = simulate_disturbances(metro(time_s=150.0 * slack + duration)).actual.energy_kwh
-    assert undisturbed <= known * (1 + 2e-3)
+    assert simulate_disturbances(metro(time_s=150.0 * slack + duration)).actual.energy_kwh <= known * (1 + 2e-3)
     assert known <= computer * (1 + 2e-3)
     assert computer <= driver * (1 + 2e-3)
 
@@ -130,8 +126,7 @@ def test_a_limit_slows_the_train_and_the_time_is_caught_up():
     for reaction in ("driver", "computer", "known"):
         ride = simulate_disturbances(metro(time_s=180.0, speed_limits=[limit]), reaction)
         run = ride.actual
-        inside = (run.position_m >= 800) & (run.position_m <= 1000)
-        assert run.speed_ms[inside].max() * 3.6 <= 30.0 * (1 + 1e-6)
+        assert run.speed_ms[(run.position_m >= 800) & (run.position_m <= 1000)].max() * 3.6 <= 30.0 * (1 + 1e-6)
         assert ride.delay_s == pytest.approx(0, abs=1e-3)
 
 

@@ -15,8 +15,7 @@ LINES = ("liashenko-0", "liashenko-i", "liashenko-ii", "liashenko-iii")
 def test_a_plan_that_comes_true_is_driven_as_planned(name, reverse):
     result = simulate_following(load_scenario(name).replace(**{"line.reverse": reverse}))
     assert result.overconsumption == pytest.approx(0, abs=1e-6)
-    assert result.delay_s == pytest.approx(0, abs=1e-6)
-    assert result.stop_error_m == pytest.approx(0, abs=1e-9)
+    assert (result.delay_s, result.stop_error_m) == (pytest.approx(0, abs=1e-6), pytest.approx(0, abs=1e-9))
 
 
 @pytest.mark.parametrize("load", [0.0, 1.0])
@@ -43,8 +42,7 @@ def test_a_greater_error_of_the_place_costs_more():
         return energy / planned - 1
 
     for sign in (-1, 1):
-        costs = [overconsumption(sign * error) for error in (0.0, 10.0, 20.0, 25.0)]
-        assert np.all(np.diff(costs) > 0)
+        assert np.all(np.diff([overconsumption(sign * error) for error in (0.0, 10.0, 20.0, 25.0)]) > 0)
 
 
 def test_one_percent_of_speed_error_moves_the_stop_by_less_than_a_hand():
@@ -58,14 +56,12 @@ def test_the_plan_obeys_the_target_curve_unless_it_is_off():
     before = 1000.0 - run.position_m
     near = (before > 0) & (before < 300)
     assert np.all(run.speed_ms[near] ** 2 <= 2 * 0.6 * before[near] * (1 + 1e-9))
-    free = plan_for(scenario.replace(**{"simulation.target_braking": False}))
-    assert free.energy_kwh < run.energy_kwh
+    assert plan_for(scenario.replace(**{"simulation.target_braking": False})).energy_kwh < run.energy_kwh
 
 
 def test_a_train_that_is_too_heavy_for_its_plan_is_late():
     changes = {"timetable.travel_time_s": 125.0, "simulation.target_deceleration_ms2": 0.4}
-    scenario = plain_scenario({**changes, "disturbance.actual_load_factor": 1.0})
-    result = simulate_following(scenario)
+    result = simulate_following(plain_scenario({**changes, "disturbance.actual_load_factor": 1.0}))
     assert result.delay_s > 0.5
     assert abs(result.stop_error_m) < 0.5
 

@@ -79,8 +79,7 @@ def test_the_account_goes_on_through_all_plans_and_the_check_passes() -> None:
 
 
 def test_an_open_signal_holds_the_train_until_it_clears() -> None:
-    run = set_event(played_to(start_run(plain_scenario()), 400.0), STOP, is_open=True)
-    held = advance(run, 1e4)
+    held = advance(set_event(played_to(start_run(plain_scenario()), 400.0), STOP, is_open=True), 1e4)
     assert held.position_m == pytest.approx(900.0)
     assert held.held_at is not None
     longer = advance(wait_longer(held), 7.0)
@@ -124,8 +123,7 @@ def test_a_signal_too_close_is_passed_by_metres_that_are_named_and_one_behind_is
 def test_a_voltage_counts_from_the_nominal_one() -> None:
     run = played_to(start_run(plain_scenario()), 300.0)
     weak = set_event(run, VoltageChange(line_voltage_factor=0.5))
-    restored = set_event(weak, VoltageChange(line_voltage_factor=1.0))
-    assert restored.since.scenario.vehicle == run.scenario.vehicle
+    assert set_event(weak, VoltageChange(line_voltage_factor=1.0)).since.scenario.vehicle == run.scenario.vehicle
     changes = [{"line_voltage_factor": 0.5, "noticed_at_m": 300}, {"line_voltage_factor": 1.0, "noticed_at_m": 301}]
     filed = simulate_disturbances(plain_scenario({"disturbance.voltage_changes": changes}), "computer")
     assert filed.delay_s == pytest.approx(0.0, abs=1e-3)

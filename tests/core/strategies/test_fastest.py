@@ -22,7 +22,6 @@ def test_closed_form_on_a_flat_line(resistance_n_per_kn, speed_kmh, braking_kn):
     """Full effort, the greatest speed, full braking, each at a constant force; nodes fall on the two changes."""
     mass, top, rolling = 100e3, speed_kmh / 3.6, resistance_n_per_kn * 981
     up, down = (100e3 - rolling) / mass, (1e3 * braking_kn + rolling) / mass
-    ways = [0.5 * top**2 / up, 700.0, 0.5 * top**2 / down]
     run = solve(
         plain_scenario(
             {
@@ -30,7 +29,7 @@ def test_closed_form_on_a_flat_line(resistance_n_per_kn, speed_kmh, braking_kn):
                 "vehicle.resistance": {"constant_n_per_kn": resistance_n_per_kn},
                 "vehicle.traction": {"max_effort_kn": 100.0, "max_speed_kmh": speed_kmh},
                 "vehicle.braking.max_effort_kn": braking_kn,
-                "line.sections": [{"length_m": way} for way in ways],
+                "line.sections": [{"length_m": way} for way in [0.5 * top**2 / up, 700.0, 0.5 * top**2 / down]],
             }
         ),
         "fastest",

@@ -44,8 +44,7 @@ def arrivals_of(line):
 
 def test_windows_that_do_not_bind_change_nothing():
     free = whole_line(with_windows(*FREE))
-    wide = tuple((at - 1.0, at + 1.0) for at in arrivals_of(free))
-    line = whole_line(with_windows(*wide))
+    line = whole_line(with_windows(*tuple((at - 1.0, at + 1.0) for at in arrivals_of(free))))
     assert line.run.energy_kwh == pytest.approx(free.run.energy_kwh, rel=1e-12)
     assert len({leg.price_of_time_w for leg in line.legs}) == 1
 
@@ -56,8 +55,7 @@ def test_a_bound_covers_all_runs_that_keep_the_windows():
     assert 0 <= run.gap < 1e-3
     assert "No way of driving this train over this line within 420.0 s" in run.bound.statement
     assert [window[:2] for window in run.bound.windows] == [(800.0, 100.0)]
-    later = solve(with_windows((105.0, 105.0), (None, None), (None, None)))
-    assert run.bound.covers(later)
+    assert run.bound.covers(solve(with_windows((105.0, 105.0), (None, None), (None, None))))
     assert not run.bound.covers(solve(with_windows(*FREE)))
 
 

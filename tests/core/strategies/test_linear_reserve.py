@@ -31,11 +31,10 @@ def test_speeds_and_energy_of_a_level_line():
 def test_each_part_takes_its_own_reserve():
     stations = [{"position_m": 1200.0, "dwell_s": 25.0}]
     part = {"from_m": 500.0, "to_m": 1200.0, "reserve_percent": 20.0}
-    sections = [{"length_m": 900.0}, {"length_m": 1100.0, "gradient_permille": 20.0}]
     scenario = plain_scenario(
         {
             "line.stations": stations,
-            "line.sections": sections,
+            "line.sections": [{"length_m": 900.0}, {"length_m": 1100.0, "gradient_permille": 20.0}],
             "timetable": {"reserve_percent": 5.0, "reserve_parts": [part]},
         }
     )

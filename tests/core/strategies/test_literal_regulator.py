@@ -48,10 +48,8 @@ def test_its_run_keeps_every_rule(changes, step):
 
 def test_it_coasts_where_it_asks_for_nothing():
     """Gradients change along the train within each of its steps: the drive shall be off all the same."""
-    task = prepare_task(plain_scenario(HILLY))
-    run = literal_run(task, np.array([50.0]) * MS_PER_KMH, np.empty(0))
-    force = run.mesh.net_force_n(run.speed2)
-    assert (np.abs(force) < 1e-3).sum() > 100
+    run = literal_run(prepare_task(plain_scenario(HILLY)), np.array([50.0]) * MS_PER_KMH, np.empty(0))
+    assert (np.abs(run.mesh.net_force_n(run.speed2)) < 1e-3).sum() > 100
 
 
 def test_it_waits_for_its_effort_uphill():

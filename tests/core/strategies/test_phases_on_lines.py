@@ -82,10 +82,8 @@ def test_a_second_has_one_price_in_all_stretches():
 
 
 def test_the_whole_train_leaves_a_limit():
-    task = prepare_task(limited_tram(**{"line.limits_hold_for": "whole_train"}))
-    run = check_phases(task)
-    slow = run.position_m[np.abs(run.speed_ms * 3.6 - 30) < 1e-6]
-    assert slow[-1] == pytest.approx(613.5)
+    run = check_phases(prepare_task(limited_tram(**{"line.limits_hold_for": "whole_train"})))
+    assert run.position_m[np.abs(run.speed_ms * 3.6 - 30) < 1e-6][-1] == pytest.approx(613.5)
 
 
 def test_hills_stops_and_curves():
@@ -96,8 +94,7 @@ def test_hills_stops_and_curves():
 
 
 def test_a_train_that_begins_too_fast_for_its_time_brakes():
-    task = prepare_task(limited_tram(**{"timetable.travel_time_s": 200.0}), 15.0)
-    run = check_phases(task)
+    run = check_phases(prepare_task(limited_tram(**{"timetable.travel_time_s": 200.0}), 15.0))
     assert run.energy_kwh < check_phases(prepare_task(limited_tram(), 15.0)).energy_kwh
 
 

@@ -27,21 +27,18 @@ def shares(value):
 def round_by_hand(driving, braking=None, least=2.0, duration=0.5, stands=()):
     n = len(driving)
     given = driving, np.zeros(n) if braking is None else braking, np.full(n, duration)
-    interrupted_by = np.where(np.isin(np.arange(n), list(stands)), STOP, NOTHING)
-    return round_shares(*given, interrupted_by, least)
+    return round_shares(*given, np.where(np.isin(np.arange(n), list(stands)), STOP, NOTHING), least)
 
 
 def lengths(decision):
-    borders = np.flatnonzero(np.diff(decision)) + 1
-    return np.diff(np.concatenate([[0], borders, [len(decision)]]))
+    return np.diff(np.concatenate([[0], np.flatnonzero(np.diff(decision)) + 1, [len(decision)]]))
 
 
 @pytest.mark.parametrize(("share", "on", "off"), [(0.5, 4, 4), (0.25, 4, 12), (0.75, 12, 4)])
 def test_a_share_is_kept_by_the_shortest_stretches_that_last(share, on, off):
     """2 s are four cells of half a second; d of on and 1 - d of off makes the longer one d / (1 - d) times as long."""
     # the first ones settle
-    inner = lengths(round_by_hand(shares(share)))[2:-1]
-    assert set(inner) == {on, off}
+    assert set(lengths(round_by_hand(shares(share)))[2:-1]) == {on, off}
     assert np.mean(round_by_hand(shares(share)) == DRIVE) == pytest.approx(share, abs=0.03)
 
 
@@ -53,8 +50,7 @@ def test_what_is_on_or_off_throughout_stays_so():
 def test_without_a_minimum_time_the_way_driven_stays_within_half_a_cell_of_the_shares():
     """Sager, Bock, Diehl 2012: the bound of sum-up rounding."""
     driving = np.random.default_rng(3).uniform(0.03, 0.97, CELLS)
-    difference = np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVE)
-    assert np.abs(difference).max() <= 0.5 + 1e-9
+    assert np.abs(np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVE)).max() <= 0.5 + 1e-9
 
 
 def test_driving_goes_over_to_braking_immediately():

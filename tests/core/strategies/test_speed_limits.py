@@ -29,8 +29,7 @@ def test_its_bound_is_that_of_its_own_time_and_nodes():
     # over nodes of its own, too, which are finer
     assert run.lower_bound_kwh == pytest.approx(late.lower_bound_kwh, rel=1e-4)
     assert run.gap > 0
-    runs = compare(scenario).runs
-    bounds = {one.strategy: one.lower_bound_kwh for one in runs}
+    bounds = {one.strategy: one.lower_bound_kwh for one in compare(scenario).runs}
     assert bounds["speed_limits"] < bounds["optimal"] == bounds["bellman"]
 
 
@@ -134,14 +133,12 @@ def test_ten_stations_need_no_borders():
     """37 sections of the line, at most seven between two stations; before, they were refused."""
     scenario = load_scenario("metro-10-stations", {"search.inter_station_runs": "separate"})
     assert len(section_boundaries(scenario)) == 36
-    run = solve(scenario, "speed_limits", check=True)
-    assert run.travel_time_s == pytest.approx(1.01 * 860 + 220, rel=1e-5)
+    assert solve(scenario, "speed_limits", check=True).travel_time_s == pytest.approx(1.01 * 860 + 220, rel=1e-5)
 
 
 def test_the_bound_lies_below_every_run():
     tight = load_scenario("kharkiv-like-40kmh")
-    bound = solve(tight, "optimal").lower_bound_kwh
-    assert bound < solve(tight, "bellman").energy_kwh < solve(tight).energy_kwh
+    assert solve(tight, "optimal").lower_bound_kwh < solve(tight, "bellman").energy_kwh < solve(tight).energy_kwh
 
 
 @pytest.mark.parametrize("regulator", ["brake", "coast"])

@@ -154,6 +154,5 @@ def test_dynamic_programming_helps_where_the_relaxation_is_of_no_use():
     """One that has not converged, of another timetable, ends in a run as good as Bellman's."""
     task = prepare_task(train("loss polynomial", 15.0, **{"timetable.travel_time_s": 90.0}))
     other = prepare_task(train("loss polynomial", 15.0, **{"timetable.travel_time_s": 140.0}))
-    useless = minimise(other).optimum._replace(status=1)
-    found = best_switched(task, useless)
+    found = best_switched(task, minimise(other).optimum._replace(status=1))
     assert found.energy_j <= run_strategy(task, "bellman").energy.net_j * (1 + 1e-4)

@@ -13,7 +13,6 @@ STATIONS = [{"name": "A", "position_m": 700.0, "dwell_s": 20.0}, {"position_m": 
 def scenario_with(dwell, runs=20, **changes):
     nothing = {name: {"distribution": "fixed", "value": 0.0} for name in (*CONDITIONS, "speed_error", *SENSOR_ERRORS)}
     nothing |= {name: {"distribution": "fixed", "value": 1.0} for name in ("resistance_factor", "line_voltage_factor")}
-    drawn = {"runs": runs, "seed": 1, **nothing, "dwell_delay_s": dwell}
     return plain_scenario(
         {
             "line.stations": STATIONS,
@@ -21,7 +20,7 @@ def scenario_with(dwell, runs=20, **changes):
             "timetable": {"reserve_percent": 30.0},
             "simulation.target_braking": False,
             "solver.mesh_m": 25.0,
-            "montecarlo": drawn,
+            "montecarlo": {"runs": runs, "seed": 1, **nothing, "dwell_delay_s": dwell},
             **changes,
         }
     )

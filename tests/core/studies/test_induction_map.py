@@ -16,8 +16,7 @@ def found():
 def test_a_run_works_within_the_map(found):
     points = machine_points(simulate_field_oriented(SCENARIO))
     rows = np.searchsorted(found.torque_nm, points.torque_nm) - 1
-    columns = np.searchsorted(found.speed_rads, points.speed_rads) - 1
-    assert np.all(np.isfinite(found.drive[rows, columns]))
+    assert np.all(np.isfinite(found.drive[rows, np.searchsorted(found.speed_rads, points.speed_rads) - 1]))
     # findings: 196.2 A at 7.6 N m/A
     assert points.torque_nm.max() == pytest.approx(196.2 * 7.6, rel=2e-3)
 

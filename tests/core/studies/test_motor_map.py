@@ -51,7 +51,6 @@ def test_the_points_of_a_run_carry_its_energy(changes):
 def test_the_points_of_a_run_lie_on_its_map():
     scenario = load_scenario("kharkiv-like-40kmh")
     found, points = motor_map(scenario), operating_points(solve(scenario, "fastest"))
-    assert found.motor is not None
     both = np.isfinite(found.motor) & np.isfinite(found.drive)
     assert np.all(found.drive[both] <= found.motor[both])
     assert found.torque_nm[0] < points.torque_nm.min() < points.torque_nm.max() < found.torque_nm[-1]

@@ -32,14 +32,12 @@ def test_a_short_run_brakes_where_the_formula_says():
 
 
 def test_the_held_speed_is_the_vehicle_s_limit_at_most():
-    steady = steady_speeds(level(3000, 160, 0.0), 1e9)
-    assert steady.hold_ms * 3.6 == pytest.approx(80)
+    assert steady_speeds(level(3000, 160, 0.0), 1e9).hold_ms * 3.6 == pytest.approx(80)
 
 
 def test_the_phase_plane_meets_its_lines_at_the_switches():
     scenario = level(9000, 600, 0.5)
-    steady = steady_speeds(scenario, 2.5e5)
-    full, coast, brake = phase_plane(scenario, steady)
+    full, coast, brake = phase_plane(scenario, steady_speeds(scenario, 2.5e5))
     # 0.85 of efficiency in driving, half of 0.85 back in braking
     assert full.adjoint[-1] == coast.adjoint[0] == pytest.approx(1 / 0.85)
     assert coast.adjoint[-1] == pytest.approx(0.425)

@@ -33,8 +33,7 @@ def test_a_storage_that_fills_slowly_is_full_in_the_end():
     """
     power, seconds = np.array([1.0, -2.0]) * KWH / 100, np.full(2, 100.0)
     found = _stored(power, seconds, Storage(1000.0, 1e6, 1.0, 1.0))
-    assert found.energy_kwh == pytest.approx(0.0, abs=1e-9)
-    assert found.dissipated_kwh == pytest.approx(1.0)
+    assert (found.energy_kwh, found.dissipated_kwh) == (pytest.approx(0.0, abs=1e-9), pytest.approx(1.0))
     assert found.storage_loss_kwh == pytest.approx(0.0, abs=1e-9)
 
 
@@ -49,8 +48,7 @@ def test_three_cells_by_hand():
     assert found.with_receptive_line_kwh == pytest.approx(1.5)
     assert found.energy_kwh == pytest.approx(2.5 - 0.72)
     assert found.dissipated_kwh == pytest.approx(1 - 0.8 / 0.9)
-    assert found.storage_loss_kwh == pytest.approx(0.8 / 0.9 - 0.72)
-    assert found.cycles == pytest.approx(1.0)
+    assert (found.storage_loss_kwh, found.cycles) == (pytest.approx(0.8 / 0.9 - 0.72), pytest.approx(1.0))
     assert share_of_receptive_line(found) == pytest.approx(0.72)
 
 
@@ -80,8 +78,7 @@ def test_need_of_a_run():
 
 
 def test_savings_rise_with_size_and_end():
-    sizes = np.linspace(0, 4, 9)
-    saved = saving_over_size(RUN, sizes, 2000.0)
+    saved = saving_over_size(RUN, np.linspace(0, 4, 9), 2000.0)
     assert saved[0] == pytest.approx(0, abs=1e-9)
     assert (np.diff(saved) >= -1e-9).all()
     assert saved[-1] == pytest.approx(saved[-2])

@@ -61,8 +61,7 @@ def test_the_frontier_falls_and_bends_upwards(metro):
     ],
 )
 def test_the_price_of_time_is_the_slope(name, time, tolerance):
-    task = prepare_task(load_scenario(name))
-    frontier = energy_time_frontier(task, np.array([time - 0.5, time, time + 0.5]))
+    frontier = energy_time_frontier(prepare_task(load_scenario(name)), np.array([time - 0.5, time, time + 0.5]))
     slope = frontier.energy_kwh[2] - frontier.energy_kwh[0]
     assert frontier.price_of_time_wh_per_s[1] == pytest.approx(-1000 * slope, rel=tolerance)
 
@@ -113,8 +112,7 @@ def test_a_fine_course_is_coarsened(suburban):
 
 def test_coarsening_keeps_the_speeds_at_the_ends():
     task = prepare_task(load_scenario("ftorek-300s"), 1.0, 2.0)
-    coarse = coarsened(task, 100)
-    assert coarse.mesh.data.fixed_speed2[[0, -1]].tolist() == [1.0, 4.0]
+    assert coarsened(task, 100).mesh.data.fixed_speed2[[0, -1]].tolist() == [1.0, 4.0]
     assert coarsened(task, 2000) is task
 
 
@@ -128,8 +126,7 @@ def test_enoc_follows_its_closed_form(suburban):
 
 def test_enoc_takes_its_best_ramps_whatever_the_scenario_says(suburban):
     times = np.array([300.0])
-    fixed = suburban.scenario.replace(**{"enoc.acceleration_time_s": 62.713})
-    with_ramps = replace(suburban, scenario=fixed)
+    with_ramps = replace(suburban, scenario=suburban.scenario.replace(**{"enoc.acceleration_time_s": 62.713}))
     assert enoc_frontier(with_ramps, times).energy_kwh == enoc_frontier(suburban, times).energy_kwh
     # 3.4 % is what the printed ramps cost more, findings on Ftorek's Table 2
     given = energy_time_frontier(with_ramps, times, "enoc").energy_kwh

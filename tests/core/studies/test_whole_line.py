@@ -81,8 +81,7 @@ def test_a_fixed_arrival_is_kept_and_costs(scenario, lines):
 
 
 def test_fixing_the_optimum_s_own_arrival_costs_nothing(scenario, lines):
-    arrival = lines["optimum"].legs[2].arrival_s
-    fixed = whole_line(scenario, "optimum", {2: arrival})
+    fixed = whole_line(scenario, "optimum", {2: lines["optimum"].legs[2].arrival_s})
     assert fixed.run.energy_kwh == pytest.approx(lines["optimum"].run.energy_kwh, rel=1e-6)
 
 

@@ -215,8 +215,7 @@ def test_claims_have_the_verdicts_of_their_numbers(validation):
 @pytest.mark.parametrize("number", range(4))
 def test_figures_pass_through_the_printed_points(number):
     """Speeds at the printed ends of phases of the driver's part, and energies at the end of the ride."""
-    figure = COMPARISONS["rawicki"]().figures[number]
-    over_distance, _, energy = figure.compute().panels
+    over_distance, _, energy = COMPARISONS["rawicki"]().figures[number].compute().panels
     line, printed = energy.lines
     assert (printed.is_printed, line.is_printed) == (True, False)
     assert line.y[-1] == pytest.approx(printed.y[-1], rel=0.015)

@@ -38,8 +38,7 @@ def test_hidden_numbers_of_a_former_scenario_are_not_saved() -> None:
     session = Session()
     session.state.scenario.choose("ftorek-300s")
     motor = open_view(session, "Motor")
-    figures = saved_names(motor)
-    assert "eoc-and-enoc-energy-at-the-motors-so-far-kwh.csv" in figures
+    assert "eoc-and-enoc-energy-at-the-motors-so-far-kwh.csv" in saved_names(motor)
     # neither strategy takes the tram
     session.state.scenario.choose("tram-950m")
     assert "eoc-and-enoc-energy-at-the-motors-so-far-kwh.csv" not in saved_names(motor)

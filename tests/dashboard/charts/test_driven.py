@@ -21,8 +21,7 @@ def test_the_error_of_the_place_grows_and_falls_at_the_sensors(following):
     error = np.asarray(chart.sources["error"].data["y"])
     assert error[0] == pytest.approx(10.0)
     # 1 % of the 1000 m to D1, which stands 300 m before the stop at 1300 m
-    assert error[1] == pytest.approx(20.0, abs=0.2)
-    assert error[2] == pytest.approx(0.0, abs=1e-9)
+    assert (error[1], error[2]) == (pytest.approx(20.0, abs=0.2), pytest.approx(0.0, abs=1e-9))
     assert abs(error[-1]) < 0.1
     assert list(chart.sources["sensors"].data["text"]) == ["D1", "D2", "D3"]
     assert np.all(np.diff(chart.sources["error"].data["x"]) >= 0)

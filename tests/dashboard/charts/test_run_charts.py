@@ -16,8 +16,7 @@ def test_the_effort_is_drawn_below_the_adhesion_of_wet_rails() -> None:
     chart = EffortChart(120, Axis(palette), palette)
     chart.build()
     dry = load_scenario("liashenko-ii", {"vehicle.load_factor": 0.0})
-    wet = dry.replace(**{"line.rail_condition": "wet"})
-    for scenario in (wet, dry):
+    for scenario in (dry.replace(**{"line.rail_condition": "wet"}), dry):
         run = solve(scenario, "fastest")
         chart.draw(RunScene("fastest", {"fastest": run}, None, False, False, 800))
         # another name would make Bokeh 3.9.2 fail in the browser
@@ -29,7 +28,6 @@ def test_the_effort_is_drawn_below_the_adhesion_of_wet_rails() -> None:
         else:
             nodes = len(run.speed_ms)
             law = 0.6 * (7.5 / (3.6 * run.speed_ms + 44) + 0.161) * 160e3 * 9.81 / 1e3
-            assert drawn[:nodes] == pytest.approx(law)
-            assert drawn[nodes + 1 :] == pytest.approx(-law)
+            assert (drawn[:nodes], drawn[nodes + 1 :]) == (pytest.approx(law), pytest.approx(-law))
             assert most.max() <= law.max()
             assert "adhesion on wet rails" in chart.caption

@@ -54,8 +54,7 @@ def test_a_cluster_makes_the_same_table_even_if_a_worker_is_killed():
 @pytest.mark.nightly
 def test_a_lost_scheduler_ends_a_study_in_a_sentence_and_what_is_done_goes_on_elsewhere(monkeypatch):
     monkeypatch.setattr(module, "CONNECTING_S", 2)
-    asked = study()
-    results = MemoryResults(asked)
+    results = MemoryResults(study())
     with (
         started_cluster(1) as (address, scheduler, _workers),
         pytest.raises((ClusterError, InterruptedStudyError), match="workers"),

@@ -96,8 +96,7 @@ def test_a_trajectory_becomes_csv(capsys, tmp_path):
     header, *rows = file.read_text().splitlines()
     assert header.split(",")[:3] == ["position_m", "time_s", "speed_kmh"]
     assert len(rows) == result["cells"] + 1 == 300
-    last = np.array(rows[-1].split(","), dtype=float)
-    assert last[1] == pytest.approx(result["travel_time_s"])
+    assert np.array(rows[-1].split(","), dtype=float)[1] == pytest.approx(result["travel_time_s"])
 
 
 def test_a_trajectory_becomes_parquet(capsys, tmp_path):
@@ -234,8 +233,7 @@ def test_validate_prints_tables(capsys):
 def test_benchmark_prints_both(capsys, monkeypatch):
     timings = [Timing("liashenko-ii", 266, "optimal", 2.2239, 9, 0.00062), Timing("x", 10, "fastest", 1.0, 0, 0.1)]
     monkeypatch.setattr(core_benchmark, "benchmark", lambda: iter(timings))
-    values = json.loads(answer(capsys, "benchmark", "--json"))
-    assert values["results"][0] == {
+    assert json.loads(answer(capsys, "benchmark", "--json"))["results"][0] == {
         "scenario": "liashenko-ii",
         "cell_count": 266,
         "solver": "optimal",

@@ -68,8 +68,7 @@ def test_a_vehicle_may_be_a_file_and_its_time_found(capsys, tmp_path):
     _, told = imported(capsys, *limits_with("--vehicle", train, target=target))
     scenario = load_scenario(target)
     assert (scenario.vehicle.load_factor, scenario.vehicle.drive.recuperation_factor) == (1.0, 0.3)
-    shortest = prepare_task(scenario).shortest_travel_time_s
-    assert scenario.travel_time_s == math.ceil(1.1 * shortest)
+    assert scenario.travel_time_s == math.ceil(1.1 * prepare_task(scenario).shortest_travel_time_s)
     assert told[-1].startswith(f"no --travel-time-s: {scenario.travel_time_s:g} s, 10 % above the shortest possible")
 
 

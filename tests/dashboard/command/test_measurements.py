@@ -38,8 +38,7 @@ def test_measured_prints_words(capsys):
 
 
 def test_measured_prints_a_saving_with_its_interval_and_the_part_of_the_line(capsys):
-    example = str(RECORDINGS / "metro-0714.csv")
-    text = answer(capsys, "measured", example, "--scenario", "metro-with-limit")
+    text = answer(capsys, "measured", str(RECORDINGS / "metro-0714.csv"), "--scenario", "metro-with-limit")
     assert re.search(
         r"1\.649 kWh, 0\.\d+ to 2\.\d+ kWh by the errors of the speed and the model: the optimum saves", text
     )

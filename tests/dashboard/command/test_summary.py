@@ -32,8 +32,7 @@ def test_it_has_the_keys_of_the_contract(summary):
 
 
 def test_numbers_are_those_of_the_trajectory(run, summary):
-    assert summary["title"] == "Metro, profile II"
-    assert summary["strategy"] == "optimal"
+    assert (summary["title"], summary["strategy"]) == ("Metro, profile II", "optimal")
     assert summary["energy_kwh"] == run.energy_kwh
     assert (summary["gap"], summary["proven"]) == (run.gap, True)
     assert summary["price_of_time_wh_per_s"] == pytest.approx(run.price_of_time_w / 3600)

@@ -22,8 +22,7 @@ def test_at_first_the_plan_fails() -> None:
 
 def test_the_conditions_of_a_file_are_taken() -> None:
     day = open_day("liashenko-fig-4")
-    assert day.actual_load_percent == pytest.approx(20.0)
-    assert day.coordinate_error_m == -5.0
+    assert (day.actual_load_percent, day.coordinate_error_m) == (pytest.approx(20.0), -5.0)
 
 
 def test_an_edit_of_something_else_leaves_what_was_set() -> None:
@@ -45,8 +44,7 @@ def test_conditions_are_keys_of_the_file() -> None:
     day.param.update(actual_load_percent=70.0, stop_sensor_m=20.0, speed_error_percent=1.0, target_braking=True)
     scenario = load_scenario("liashenko-ii").replace(**day.conditions)
     assert scenario.disturbance.actual_load_factor == 0.7
-    assert scenario.simulation.stop_sensor_m == 20.0
-    assert scenario.simulation.speed_error == 0.01
+    assert (scenario.simulation.stop_sensor_m, scenario.simulation.speed_error) == (20.0, 0.01)
 
 
 @pytest.mark.parametrize("late", [0.0, 12.0])

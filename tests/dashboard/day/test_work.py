@@ -75,8 +75,7 @@ def test_switched_off_disturbances_has_its_events_alone(pages):
     state.page = "What if"
     alone = state.pages["What if"].rides.rides["driver"]
     state.day.on = True
-    as_planned_but_events = state.pages["What if"].rides.rides["driver"]
-    assert as_planned_but_events.actual.energy_kwh != alone.actual.energy_kwh
+    assert state.pages["What if"].rides.rides["driver"].actual.energy_kwh != alone.actual.energy_kwh
     state.day.param.update(actual_load_percent=state.scenario.load_percent, coordinate_error_m=0.0)
     assert state.pages["What if"].rides.rides["driver"].actual.energy_kwh == pytest.approx(alone.actual.energy_kwh)
 

@@ -36,8 +36,7 @@ def test_every_key_of_the_file_but_those_of_chance_has_a_field() -> None:
         if key not in {"title", "strategy", "vehicle", "line", "montecarlo"}
         for name in info.annotation.model_fields  # type: ignore[union-attr]
     }
-    tables = {"stops", "speed_limits", "voltage_changes", "recuperation_changes", "reserve_parts"}
-    assert wanted - tables <= names
+    assert wanted - {"stops", "speed_limits", "voltage_changes", "recuperation_changes", "reserve_parts"} <= names
     assert all(re.fullmatch(r"[A-Z][^_]*", field.label) for field in all_fields())
 
 

@@ -106,8 +106,7 @@ def test_vehicle_and_line_are_chosen_apart(model: ScenarioModel, editor: EditorM
     editor.type(VEHICLE, "tram-105n")
     editor.type(LINE, "liashenko-i")
     now = model.scenario()
-    assert (now.vehicle.preset, now.line.preset) == ("tram-105n", "liashenko-i")
-    assert now.vehicle.load_factor == 0.5
+    assert (now.vehicle.preset, now.line.preset, now.vehicle.load_factor) == ("tram-105n", "liashenko-i", 0.5)
     editor.type(field(editor, "vehicle.tare_kg"), "18000")
     assert editor.look().was(field(editor, "vehicle.tare_kg")) == "16500"
     editor.type(VEHICLE, "metro-81-7036")

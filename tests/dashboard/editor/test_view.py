@@ -51,13 +51,11 @@ def test_a_typed_text_is_an_edit_and_its_refusal_is_shown(state: Workbench, view
     assert dict(state.scenario.changes) == {"vehicle.tare_kg": 150_000.0}
     assert (tare.widget.value, tare.widget.label) == ("150000", "Tare, kg \u00b7 changed")
     assert (tare.widget.error_state, tare.widget.helper_text.startswith("Mass of the empty vehicle.")) == (False, True)
-    assert tare.back is not None
     assert (tare.back.description, len(tare.view)) == ("Reset Tare, kg to 160000", 2)
     assert "1 changed" in group.head.object
     load.widget.value = "<b>"
     # the text stays, with the sentence
     assert (load.widget.value, load.widget.helper_text) == ("<b>", "Not a number. Kept: 0.5.")
-    assert view.head is not None
     assert view.head.alert == "Not a number. Kept: 0.5."
     tare._reset()
     assert (dict(state.scenario.changes), tare.widget.value, len(tare.view)) == ({}, "160000", 1)
@@ -105,8 +103,7 @@ def test_a_choice_of_two_is_a_list_too(state: Workbench, view: EditorView) -> No
 def test_what_the_browser_cannot_ask_for_changes_nothing(
     state: Workbench, view: EditorView, message: dict[str, Any]
 ) -> None:
-    group = opened(view, "Track")
-    group._tables[0][0]._handle_msg(message)
+    opened(view, "Track")._tables[0][0]._handle_msg(message)
     assert dict(state.scenario.changes) == {}
 
 
@@ -129,8 +126,7 @@ def test_a_dragged_border_changes_both_sections_beside_it(state: Workbench, view
 
 def test_a_dragged_limit_is_that_of_its_table(state: Workbench, view: EditorView) -> None:
     state.scenario.edit({"line.sections": [{"length_m": 2300.0, "speed_limit_kmh": 70.0}]})
-    group = opened(view, "Track")
-    group.steps._drop([0.0, 650.0], [2300.0, 900.0], [65.0, 40.0])
+    opened(view, "Track").steps._drop([0.0, 650.0], [2300.0, 900.0], [65.0, 40.0])
     line = state.scenario.scenario().line
     assert line.sections[0].speed_limit_kmh == 65.0
     (limit,) = line.speed_limits
@@ -139,8 +135,7 @@ def test_a_dragged_limit_is_that_of_its_table(state: Workbench, view: EditorView
 
 def test_a_long_table_shows_its_beginning(state: Workbench, view: EditorView) -> None:
     state.scenario.edit({"line.sections": [{"length_m": 10.0}] * 240})
-    group = opened(view, "Track")
-    table = group._tables[0][0].table
+    table = opened(view, "Track")._tables[0][0].table
     assert len(table["rows"]) == 200
     assert table["more"] == "40 more rows are not shown; paste a table to replace them all."
 

@@ -41,8 +41,7 @@ def head_numbers(modules: Iterable[ast.Module]) -> Iterator[tuple[str, list[str]
         for call in ast.walk(module):
             if not isinstance(call, ast.Call) or not call.args:
                 continue
-            name = getattr(call.func, "attr", getattr(call.func, "id", ""))
-            if name == "figure" and len(call.args) >= 4:
+            if getattr(call.func, "attr", getattr(call.func, "id", "")) == "figure" and len(call.args) >= 4:
                 term = next((keyword.value for keyword in call.keywords if keyword.arg == "term"), call.args[0])
                 yield ast.unparse(call)[:90], constants(term)
 

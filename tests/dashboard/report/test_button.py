@@ -25,7 +25,6 @@ class Asked:
     def open(self) -> ReportForm:
         self.press()
         form = self.button.form
-        assert form is not None
         assert form.dialog.open
         return form
 

@@ -32,8 +32,7 @@ def test_the_surface_of_enoc_has_the_map_s_own_numbers(enoc: EnocMap) -> None:
     # the height of one corner is the energy of the map at its place
     row, column = 5, 60
     there = shares(enoc, enoc.travel_time_s[column], enoc.acceleration_time_s[row], enoc.energy_kwh[row, column])
-    nearest = corners[np.argmin(np.hypot(*(corners[:, :2] - there[:2]).T))]
-    assert nearest[2] == pytest.approx(there[2], abs=0.03)
+    assert corners[np.argmin(np.hypot(*(corners[:, :2] - there[:2]).T))][2] == pytest.approx(there[2], abs=0.03)
 
 
 def test_valley_and_run_lie_on_the_surface_of_enoc(enoc: EnocMap) -> None:

@@ -79,8 +79,7 @@ def test_a_long_table_says_how_much_it_leaves_out() -> None:
 def test_undisturbed_scenarios_have_no_table_of_disturbances() -> None:
     titles = [table.title for table in scenario_tables(load_scenario("liashenko-0"))]
     assert not any("Disturb" in title for title in titles)
-    stop = [{"position_m": 400.0, "duration_s": 5.0}]
-    disturbed = load_scenario("liashenko-0", {"disturbance.stops": stop})
+    disturbed = load_scenario("liashenko-0", {"disturbance.stops": [{"position_m": 400.0, "duration_s": 5.0}]})
     stops = next(table for table in scenario_tables(disturbed) if table.title == "Disturbances: stops")
     assert ("Position, m", "400") in zip(stops.head, stops.rows[0], strict=True)
     assert ("Duration, s", "5") in zip(stops.head, stops.rows[0], strict=True)

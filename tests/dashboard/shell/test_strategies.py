@@ -4,6 +4,7 @@ import re
 from functools import cache
 
 import pytest
+from markup import plain
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.look.theme import number_css, strategies_css
@@ -15,10 +16,6 @@ from railjoule.dashboard.workbench import Workbench
 @cache
 def runs() -> Runs:
     return compute_runs(RunsRequest(load_scenario("metro-with-limit"), ("optimal", "eoc", "enoc")))
-
-
-def plain(html: str) -> str:
-    return " ".join(re.sub(r"<[^>]+>", " ", html).split())
 
 
 def listed(state: Workbench) -> StrategyList:
@@ -41,8 +38,7 @@ def test_strategies_that_refuse_share_a_line_with_the_reason_and_a_scenario_that
 
 
 def test_a_chosen_strategy_that_refuses_keeps_its_row() -> None:
-    state = Workbench(chosen="eoc")
-    shown = listed(state)
+    shown = listed(Workbench(chosen="eoc"))
     assert "eoc" not in shown.hidden
     assert plain(shown.refusals).startswith("ENOC: ")
     assert "needs a line without limits" in shown.results["eoc"]

@@ -56,16 +56,13 @@ def test_the_fewest_instructions_that_cost_little_are_chosen() -> None:
         made = advice(*energies.values())
         for simple, name in zip(made.runs, energies, strict=True):
             simple.run.advice = exact[: counts[name]]
-        assert made.optimum is not None
         made.optimum.advice = exact
         return made
 
     simple, sentence = choose_simple(found(three=10.09, four=10.05, five=10.0))
-    assert simple is not None
     assert len(simple.run.advice) == 3
     assert sentence == "3 instructions instead of 5: +0.90 % energy."
     simple, sentence = choose_simple(found(three=12.0, four=10.5, five=10.0))
-    assert simple is not None
     assert len(simple.run.advice) == 4
     assert sentence == "No advice with fewer than 5 instructions is within 1 % of the optimum: with 4 it is +5.0 %."
     simple, sentence = choose_simple(found(three=16.0, five=10.0))

@@ -47,8 +47,7 @@ def test_speeds_at_the_ends_are_kept_or_told():
     journey = SourceFile("j.json", JOURNEY.content.replace(b"[0, 0, 0, 0, 0]", b"[0, 0, 0, 30, 30]"))
     imported = read_ttobench(TRACK, TRAIN, journey)
     kept = imported.document["timetable"].get("entry_speed_kmh") == 30
-    told = "j.json: entry_speed_kmh = 30: the train stands there in a scenario." in imported.unused
-    assert (kept, told) == (
+    assert (kept, "j.json: entry_speed_kmh = 30: the train stands there in a scenario." in imported.unused) == (
         ("entry_speed_kmh" in Timetable.model_fields),
         "entry_speed_kmh" not in Timetable.model_fields,
     )

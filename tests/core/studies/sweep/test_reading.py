@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,16 +86,14 @@ def with_identity(**values: Any) -> Callable[[xarray.Dataset], None]:
 def test_a_file_that_is_not_the_rows_of_a_study_is_one_sentence(
     content: bytes, change: Callable[[xarray.Dataset], Any]
 ) -> None:
-    with pytest.raises(StudyFileError) as refusal:
+    with pytest.raises(StudyFileError, match="^" + re.escape(NO_STUDY) + "$"):
         read_study(changed(content, change), "x.nc", 100)
-    assert str(refusal.value) == NO_STUDY
 
 
 @pytest.mark.parametrize("end", [0, 3, 40, 600, -1])
 def test_a_damaged_file_is_one_sentence(content: bytes, end: int) -> None:
-    with pytest.raises(StudyFileError) as refusal:
+    with pytest.raises(StudyFileError, match="^" + re.escape(NO_STUDY) + "$"):
         read_study(content[:end], "x.nc", 100)
-    assert str(refusal.value) == NO_STUDY
 
 
 @pytest.mark.parametrize(
@@ -105,9 +104,8 @@ def test_a_damaged_file_is_one_sentence(content: bytes, end: int) -> None:
     ],
 )
 def test_a_wrong_value_in_the_study_is_named(content: bytes, values: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(StudyFileError) as refusal:
+    with pytest.raises(StudyFileError, match="^" + re.escape(sentence)):
         read_study(changed(content, with_identity(**values)), "x.nc", 100)
-    assert str(refusal.value).startswith(sentence)
 
 
 def test_a_scenario_of_a_stranger_names_no_file(content: bytes) -> None:

@@ -14,8 +14,7 @@ FIELDS = (
 
 def drawn(method, rows=64, sizes=(64,), seed=5, fields=FIELDS):
     firsts = np.cumsum((0, *sizes)).tolist()
-    ends = [min(end, rows) for end in firsts[1:]]
-    parts = zip(firsts[:-1], ends, strict=True)
+    parts = zip(firsts[:-1], [min(end, rows) for end in firsts[1:]], strict=True)
     return np.concatenate([draw_rows(fields, rows, method, seed, first, end - first) for first, end in parts])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from bokeh.document import Document
 from lines import sent
+from markup import plain
 from panel.io.state import set_curdoc
 
 from railjoule.core.bounds import ProofStep
@@ -46,10 +47,6 @@ def page(session: Session) -> Iterator[Compare]:
     session.state.scenario.restore()
 
 
-def text(markup: str) -> str:
-    return " ".join(re.sub(r"<[^>]+>", " ", markup).split())
-
-
 def caption(chart: Any) -> str:
     above, _ = chart.content.object.children
     return str(above.text)
@@ -57,7 +54,7 @@ def caption(chart: Any) -> str:
 
 def rows(page: Compare) -> dict[str, list[str]]:
     """Return the cells of the table by the names of the runs."""
-    cells = [[text(cell) for cell in row.split("<td>")[1:]] for row in page.table.object.split("<tr")[2:]]
+    cells = [[plain(cell) for cell in row.split("<td>")[1:]] for row in page.table.object.split("<tr")[2:]]
     return {name: rest for name, *rest in cells}
 
 
@@ -83,7 +80,7 @@ def test_a_slider_that_moves_begins_no_study(session: Session, page: Compare) ->
         assert [milliseconds for milliseconds, _ in timers] == [REST_MS] * 3
         (_, first), (_, second), (_, third) = timers
         assert page.comparing
-        assert "2 of 2 others under way" in text(page.host.figures.object)
+        assert "2 of 2 others under way" in plain(page.host.figures.object)
         first()
         second()
         assert page.compared is before
@@ -115,28 +112,28 @@ def test_a_page_that_leaves_sight_keeps_its_runs(session: Session, page: Compare
 
 
 def test_the_answer_is_the_cheapest_strategy_on_time(session: Session, page: Compare) -> None:
-    answer = text(page.host.figures.object)
+    answer = plain(page.host.figures.object)
     assert answer.startswith("Least energy in 170.0 s: Optimal")
     assert "7.81 kWh \u2713 proven" in answer
     # Bellman reads the same as the optimum, and Set speeds, which would be the next one, are late
     assert "Next best +8.1 % Four phases, 8.45 kWh" in answer
     assert "Strategies on time 5 of 6 Set speeds 1.7 s late" in answer
     page.reference = "phases"
-    assert "7.81 kWh 7.5 % below Four phases" in text(page.host.figures.object)
+    assert "7.81 kWh 7.5 % below Four phases" in plain(page.host.figures.object)
     page.reference = "speed_limits"
-    assert "7.81 kWh 4.7 % below Set speeds, 1.7 s late" in text(page.host.figures.object)
+    assert "7.81 kWh 4.7 % below Set speeds, 1.7 s late" in plain(page.host.figures.object)
     page.reference = "pin_1"
-    assert "another scenario" not in text(page.host.figures.object)
+    assert "another scenario" not in plain(page.host.figures.object)
     session.state.scenario.load_percent = 0.0
     # the pinned train is heavier, and what it costs is no merit of the strategy
-    assert re.search(r"% below 1 Optimal, .* of another scenario", text(page.host.figures.object))
+    assert re.search(r"% below 1 Optimal, .* of another scenario", plain(page.host.figures.object))
 
 
 def test_percentages_are_those_of_the_sidebar(session: Session, page: Compare) -> None:
     table = rows(page)
     session.state.ticked = ["optimal", "bellman", "phases", "speed_limits", "fastest"]
     for name, label in (("phases", "Four phases"), ("speed_limits", "Set speeds"), ("fastest", "Fastest")):
-        shown = text(strategy_numbers(session.state.runs, name))
+        shown = plain(strategy_numbers(session.state.runs, name))
         energy, _, percent, *_ = table[label]
         assert shown.removesuffix(" %") == f"{energy} {percent}"
     session.state.ticked = ["optimal", "fastest"]
@@ -144,15 +141,15 @@ def test_percentages_are_those_of_the_sidebar(session: Session, page: Compare) -
 
 def test_the_table_and_the_words_follow_the_scenario(session: Session, page: Compare) -> None:
     session.state.scenario.load_percent = 60.0
-    table = text(page.table.object)
+    table = plain(page.table.object)
     assert "Bellman" in table
     assert "1 Optimal, 170.0 s, load 50 %, recuperation 40 %" in table
     assert "EOC, ENOC: needs a line without limits." in table
     page.menu.value = "phases"
     assert page.reference == "phases"
-    assert "load 50 % instead of 60 %" in text(page.differences.object)
+    assert "load 50 % instead of 60 %" in plain(page.differences.object)
     page.compare_all = False
-    assert "Bellman" not in text(page.table.object)
+    assert "Bellman" not in plain(page.table.object)
 
 
 def test_a_greater_bound_reaches_the_runs_of_all_strategies(session: Session, page: Compare) -> None:
@@ -165,8 +162,7 @@ def test_a_greater_bound_reaches_the_runs_of_all_strategies(session: Session, pa
     state.proof.remember(Proven(state.runs.scenario, greater, step))
     state.take_bound(state.runs.scenario, greater)
     assert page.compared is before
-    bellman = next(one.run for one in page.among if one.key == "bellman")
-    assert bellman.bound.energy_j == greater.energy_j
+    assert next(one.run for one in page.among if one.key == "bellman").bound.energy_j == greater.energy_j
 
 
 def test_the_fastest_run_does_not_press_the_energies_of_others_together(session: Session, page: Compare) -> None:
@@ -211,7 +207,7 @@ def test_pins_are_renamed_and_removed(session: Session, page: Compare) -> None:
     assert list(page.pin_rows) == [row.view]
     row.name.value = "mine"
     assert session.state.pins[0].name == "mine"
-    assert "1 mine" in text(page.table.object)
+    assert "1 mine" in plain(page.table.object)
     row.name.value = ""
     assert row.name.value == session.state.pins[0].name == first
     pins = session.state.pins

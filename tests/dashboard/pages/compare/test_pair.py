@@ -1,10 +1,10 @@
 """The tab "Two scenarios" of Compare without a browser: what stands beside the first scenario, and the numbers."""
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from markup import plain
 
 from railjoule.core import Scenario, ScenarioError, Vehicle, load_scenario, solve
 from railjoule.core.scenario import format_scenario
@@ -45,13 +45,9 @@ def page(session: Session) -> Iterator[Compare]:
     session.state.scenario.restore()
 
 
-def text(markup: str) -> str:
-    return " ".join(re.sub(r"<[^>]+>", " ", markup).split())
-
-
 def numbers(page: Compare) -> dict[str, list[str]]:
     """Return the cells of the table by quantity."""
-    rows = [[text(cell) for cell in row.split("<td>")[1:]] for row in page.pair_table.object.split("<tr")[2:]]
+    rows = [[plain(cell) for cell in row.split("<td>")[1:]] for row in page.pair_table.object.split("<tr")[2:]]
     return {name: cells for name, *cells in rows}
 
 
@@ -61,7 +57,7 @@ def number(cell: str) -> float:
 
 def test_nothing_stands_beside_a_scenario_until_it_is_chosen(page: Compare) -> None:
     assert page.pair is None
-    assert text(page.pair_words.object).startswith("Choose a second scenario")
+    assert plain(page.pair_words.object).startswith("Choose a second scenario")
     assert not page.pair_columns.visible
 
 
@@ -91,7 +87,7 @@ def test_another_train_has_the_numbers_of_two_single_solves(session: Session, pa
     per_tonne = number(shown["Energy per tonne and km, Wh"][1])
     mass_t = other.vehicle.total_mass_kg / 1000
     assert per_tonne == pytest.approx(second.energy.net_j / 3600 / mass_t / 2.3, abs=0.06)
-    assert "vehicle Metro, 5 cars, synchronous instead of Metro 81-7036, 5 cars" in text(page.pair_words.object)
+    assert "vehicle Metro, 5 cars, synchronous instead of Metro 81-7036, 5 cars" in plain(page.pair_words.object)
     # the sliders of the plan move both trains
     session.state.scenario.param.update(travel_time_s=181.0, load_percent=70.0, recuperation_percent=20.0)
     now = page.pair.second.scenario
@@ -112,10 +108,10 @@ def test_another_time_follows_the_first_scenario_in_all_else(session: Session, p
     session.state.scenario.load_percent = 0.0
     first, second = (run.scenario for run in page.pair.runs)
     assert second == first.replace({"timetable.travel_time_s": 200.0})
-    words = text(page.pair_words.object)
+    words = plain(page.pair_words.object)
     assert "First: 170.0 s Second: 200.0 s The second scenario has travel time 200.0 s instead of 170.0 s." in words
     page.second_time_s = 60.0
-    assert "60.0 s is too short." in text(page.host.message.object)
+    assert "60.0 s is too short." in plain(page.host.message.object)
     page.second_time_s = 200.0
     assert page.failure is None
 
@@ -123,7 +119,7 @@ def test_another_time_follows_the_first_scenario_in_all_else(session: Session, p
 def test_lines_of_two_lengths_share_the_axes(session: Session, page: Compare) -> None:
     page.second_menu.value = "scenario:tram-950m"
     plots = page.host.plots
-    assert "The lines are 2 300 and 950 m long; both are drawn from their start." in text(page.pair_words.object)
+    assert "The lines are 2 300 and 950 m long; both are drawn from their start." in plain(page.pair_words.object)
     one, other = plots["first_speed"], plots["second_speed"]
     assert one.axis is other.axis
     # one cursor: the very same model in both figures
@@ -147,7 +143,7 @@ def test_the_scenario_of_a_pin_stands_beside_the_changed_one(session: Session, p
     assert page.second_menu.value == HELD
     assert page.pair.second.scenario == session.state.pins[0].trajectory.scenario
     assert page.pair.runs[1].energy_kwh == session.state.pins[0].trajectory.energy_kwh
-    assert "load 50 % instead of 0 %" in text(page.pair_words.object)
+    assert "load 50 % instead of 0 %" in plain(page.pair_words.object)
 
 
 def test_a_saved_scenario_or_its_train_stands_beside_the_first(session: Session, page: Compare) -> None:
@@ -168,7 +164,7 @@ def test_a_strategy_that_refuses_the_second_scenario_is_named(session: Session, 
     page.second_menu.value = "scenario:metro-with-limit"
     first, second = page.pair.runs
     assert (first.strategy, second.strategy) == ("eoc", "optimal")
-    assert "EOC refuses the second scenario: needs a line without limits." in text(page.pair_words.object)
+    assert "EOC refuses the second scenario: needs a line without limits." in plain(page.pair_words.object)
     session.state.scenario.choose(METRO)
 
 

@@ -1,9 +1,9 @@
-import html
 import re
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from markup import plain
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.energy_along import EnergyFlow, energy_flow
@@ -60,10 +60,6 @@ def test_the_map_shows_the_law() -> None:
     assert np.nanmin(image) >= -1 - 1e-9
     assert np.nanmax(image) <= 1 + 1e-9
     assert run.strategy == "bellman"
-
-
-def plain(markup: str) -> str:
-    return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", markup)).split())
 
 
 def told(load_factor: float, error_m: float) -> tuple[ActualRun, str, str]:

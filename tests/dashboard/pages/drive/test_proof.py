@@ -52,8 +52,7 @@ class Prover:
 
 def first_j(request: ProofRequest) -> float:
     """Return the first bound of a request [J]: a proof leaves the bound of every driving as it is."""
-    bound = request.run.bound
-    return bound.every_run_j
+    return request.run.bound.every_run_j
 
 
 @cache

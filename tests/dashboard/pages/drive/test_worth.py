@@ -5,6 +5,7 @@ from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
+from markup import plain
 
 from railjoule.core import Trajectory, load_scenario, solve
 from railjoule.dashboard.look import words
@@ -12,10 +13,6 @@ from railjoule.dashboard.pages.drive.texts import driver_card, worth, yearly_sav
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 NUMBERS = (0.15, 300.0, 0.3)
-
-
-def plain(html: str) -> str:
-    return " ".join(re.sub(r"<[^>]+>", " ", html).split())
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +53,7 @@ def test_the_card_has_every_instruction_with_its_time_and_loads_nothing(name: st
     assert items[0][1] == "0:00"
     assert "<img" not in card
     assert not re.search(r"(src|href)=|https?:|url\(", card.replace("&lt;img src=x", ""))
-    svg = ElementTree.fromstring(card[card.index("<svg") : card.index("</svg>") + 6])
-    for line in svg.iter("polyline"):
+    for line in ElementTree.fromstring(card[card.index("<svg") : card.index("</svg>") + 6]).iter("polyline"):
         places = [float(point.split(",")[0]) for point in str(line.get("points")).split()]
         assert (places[0], places[-1]) == (0.0, 1000.0)
     assert "A note." in card
@@ -65,7 +61,6 @@ def test_the_card_has_every_instruction_with_its_time_and_loads_nothing(name: st
 
 def test_a_year_of_savings() -> None:
     # 2 kWh, 100 trains a day: 200 kWh a day, 73 MWh a year
-    saving = yearly_saving(2.0, 100, 0.2, 0.4)
-    assert saving == pytest.approx((73.0, 14_600.0, 29.2))
+    assert yearly_saving(2.0, 100, 0.2, 0.4) == pytest.approx((73.0, 14_600.0, 29.2))
     assert yearly_saving(-2.0, 100, 0.2, 0.4) == pytest.approx((-73.0, -14_600.0, -29.2))
     assert yearly_saving(2.0, 0, 0.2, 0.4) == (0.0, 0.0, 0.0)

@@ -97,7 +97,6 @@ def test_a_raster_shows_where_the_runs_are(table: SweepTable, monkeypatch: pytes
     monkeypatch.setattr(compute, "RASTER_PX", (40, 30))
     look = look_at(table)
     chart = drawn(look, dark=True)[RUNS]
-    assert look.raster is not None
     assert chart.sources["seen"].data["image"][0].shape == (30, 40)
     assert chart.sources["known"].data["count"][0].sum() == look.raster.count.sum() > 190
     assert "@{count}" in str(chart.tips[1].tooltips) or "@count" in str(chart.tips[1].tooltips)
@@ -118,15 +117,13 @@ def test_a_histogram_has_the_colours_of_the_theme(table: SweepTable) -> None:
     chart = HistogramChart("explore_load", "Load factor", "", 100, Palette(dark=True))
     chart.build()
     chart.draw(look_at(table), LOAD)
-    assert chart.figure is not None
     assert chart.figure.renderers[0].glyph.fill_color == DARK["line2"]
     chart.palette.switch(False)
     assert chart.figure.renderers[0].glyph.fill_color == LIGHT["line2"]
 
 
 def test_signs_do_not_lie_over_each_other() -> None:
-    moved = spread_signs([1.0, 1.001, 9.0], (0.0, 10.0), 0.05)
-    assert moved == [1.0, 1.5, 9.0]
+    assert spread_signs([1.0, 1.001, 9.0], (0.0, 10.0), 0.05) == [1.0, 1.5, 9.0]
 
 
 def test_numbers_at_the_map_have_no_more_decimals_than_they_need() -> None:
@@ -145,8 +142,7 @@ def test_inputs_come_first_with_units_and_results_as_the_other_pages_call_them(t
     assert columns[X].with_unit(151.25) == "151.2 s"
     assert columns[LOAD].with_unit(0.5) == "0.500"
     # a joule in each second is 1/3600 Wh
-    price = study_table(table).values["price_of_time_w"]
-    assert np.allclose(price, table.columns["price_of_time_w"] / 3600)
+    assert np.allclose(study_table(table).values["price_of_time_w"], table.columns["price_of_time_w"] / 3600)
 
 
 @pytest.mark.parametrize(("span", "digits"), [(80.0, 1), (1.0, 3), (2000.0, 0), (0.0, 2), (1e-12, 9)])

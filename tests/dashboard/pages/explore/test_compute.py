@@ -64,7 +64,6 @@ def test_a_selection_may_hold_nothing(table: SweepTable) -> None:
 
 def test_the_map_holds_the_medians_of_its_cells(table: SweepTable) -> None:
     medians = look_at(table).medians
-    assert medians is not None
     load, back = table.samples[LOAD], table.samples[RECUPERATION]
     held = (load < 1 / CELLS) & (back >= 0.8 * (CELLS - 1) / CELLS)
     assert medians.kwh[CELLS - 1, 0] == np.median(table.columns[ENERGY][held])
@@ -119,19 +118,16 @@ def test_many_points_become_a_raster(table: SweepTable, monkeypatch: pytest.Monk
     monkeypatch.setattr(compute, "MAX_POINTS", 100)
     monkeypatch.setattr(compute, "RASTER_PX", (40, 30))
     found = look_at(table, choice={X: (150.0, 165.0)}).raster
-    assert found is not None
     assert found.count.shape == found.mean.shape == (30, 40)
     assert 0 < found.count.sum() < found.count.sum() + found.others.sum() <= 200
 
 
 def test_a_raster_counts_its_points_and_gives_their_mean() -> None:
     x, y, colour = np.array([0.1, 0.1, 0.9, 0.9]), np.array([0.1, 0.1, 0.9, 0.1]), np.array([1.0, 3.0, 7.0, 5.0])
-    held = np.array([True, True, True, False])
-    found = raster(x, y, colour, held, ((0.0, 1.0), (0.0, 1.0)), (2, 2))
+    found = raster(x, y, colour, np.array([True, True, True, False]), ((0.0, 1.0), (0.0, 1.0)), (2, 2))
     assert found.count.tolist() == [[2, 0], [0, 1]]
     assert found.others.tolist() == [[0, 1], [0, 0]]
-    assert found.mean[0, 0] == 2.0
-    assert found.mean[1, 1] == 7.0
+    assert (found.mean[0, 0], found.mean[1, 1]) == (2.0, 7.0)
     assert np.isnan(found.mean[0, 1])
 
 
@@ -151,8 +147,7 @@ def test_a_preview_has_the_first_rows_of_the_study_and_an_estimate() -> None:
     assert preview.seconds > 0
     results = MemoryResults(settings.study())
     run_study(results)
-    energy = results.to_table().columns[ENERGY]
-    assert np.array_equal(preview.table.columns[ENERGY], energy[: preview.table.rows])
+    assert np.array_equal(preview.table.columns[ENERGY], results.to_table().columns[ENERGY][: preview.table.rows])
 
 
 @pytest.mark.parametrize(

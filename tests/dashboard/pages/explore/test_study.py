@@ -56,8 +56,6 @@ def desk() -> Desk:
 
 def test_a_preview_is_there_before_the_first_run(desk: Desk) -> None:
     assert desk.model.table is None
-    assert desk.model.preview is not None
-    assert desk.model.look is not None
     assert desk.model.look.table.done == desk.model.preview.table.rows > 0  # type: ignore[union-attr]
     before = desk.model.look
     desk.model.over = {LOAD: [0.0, 0.5], TIME: [115.0, 150.0]}
@@ -69,7 +67,6 @@ def test_a_study_is_run_and_looked_at(desk: Desk) -> None:
     desk.run()
     model = desk.model
     assert model.progress.done == RUNS
-    assert model.look is not None
     assert model.look.table.done == RUNS
     assert (*model.look.axes, model.look.asked.colour) == (TIME, "energy_kwh", LOAD)
     model.colour = "max_speed_kmh"
@@ -85,8 +82,6 @@ def test_the_map_shows_the_inputs_that_decide_most(desk: Desk) -> None:
     desk.model.param.update(over={"line.head_wind_kmh": [0.0, 1.0], LOAD: [0.0, 1.0], TIME: [115.0, 150.0]}, runs=60)
     desk.run()
     look, shares = desk.model.look, desk.model.shares
-    assert look is not None
-    assert shares is not None
     assert shares.fields
     assert (look.asked.map_x, look.asked.map_y) == shares.fields[:2]
 
@@ -134,7 +129,6 @@ def test_results_belong_to_the_settings_that_were_asked_for(desk: Desk, page: Pa
         desk.state.scenario.travel_time_s += 5
         model.param.update(runs=RUNS + 1, seed=7)
     take_turns_until(page, lambda: model.progress.state == "done")
-    assert model.shown_study is not None
     assert model.shown_study.sample == RUNS
     assert model.asked == asked
     assert model.asked != model.settings
@@ -250,7 +244,6 @@ def test_a_file_without_a_study_leaves_the_one_that_is_shown(desk: Desk) -> None
 def test_the_draws_of_another_page_take_the_place_of_a_study_until_they_are_closed(desk: Desk) -> None:
     desk.run()
     look = desk.model.look
-    assert look is not None
     desk.model.select({TIME: (120.0, 130.0)})
     desk.state.turn_to("Explore", draws=look.table)
     assert desk.state.page == "Explore"
@@ -311,7 +304,6 @@ def test_a_selection_is_typed_and_may_be_open_at_one_end(desk: Desk) -> None:
     desk.run()
     desk.model._take_span("x", (120.0, None))
     assert desk.model.choice == {TIME: (120.0, np.inf)}
-    assert desk.model.look is not None
     assert 0 < desk.model.look.chosen < RUNS
     desk.model._take_span("x", (None, None))
     assert desk.model.choice == {}

@@ -27,13 +27,11 @@ KINDS = {
 def test_a_file_is_known_by_its_content(name: str, kind: str) -> None:
     source = SourceFile.read(FILES / name)
     # but for tables, the name says nothing
-    called = name if name.endswith(".csv") else "download.bin"
-    assert Brought(1, called, source.content).kind == kind
+    assert Brought(1, name if name.endswith(".csv") else "download.bin", source.content).kind == kind
 
 
 def test_a_published_table_needs_no_name() -> None:
-    content = (FILES / "sncf-gradients.csv").read_bytes()
-    assert Brought(1, "1.csv", content).kind == "gradients"
+    assert Brought(1, "1.csv", (FILES / "sncf-gradients.csv").read_bytes()).kind == "gradients"
 
 
 HOSTILE = {

@@ -29,8 +29,7 @@ def file(header: str, *rows: str) -> RunFile:
 
 
 def test_columns_are_known_by_their_names() -> None:
-    found = read_meanings(file("time_s,position_m,speed_kmh,effort_kn,notch"), {})
-    assert found == {
+    assert read_meanings(file("time_s,position_m,speed_kmh,effort_kn,notch"), {}) == {
         "time_s": Meaning("time", "s"),
         "position_m": Meaning("position", "m"),
         "speed_kmh": Meaning("speed", "km/h"),
@@ -49,8 +48,7 @@ def test_the_columns_of_a_published_set_are_known() -> None:
 
 def test_what_a_user_says_goes_before_names() -> None:
     table = file("time_s,weg,speed_kmh,effort_kn,x")
-    answers = {"weg": "position m", "effort_kn": "", "x": "nonsense furlong"}
-    found = read_meanings(table, answers)
+    found = read_meanings(table, {"weg": "position m", "effort_kn": "", "x": "nonsense furlong"})
     assert found["weg"] == Meaning("position", "m")
     assert found["effort_kn"] == found["x"] == Meaning("")
 
@@ -77,16 +75,14 @@ def test_a_unit_that_is_not_named_is_assumed_where_one_alone_fits() -> None:
 
 def test_a_unit_that_is_not_named_is_asked_for_where_two_fit() -> None:
     # 18 are a slow train in km/h, and a usual one in m/s
-    table = file("time_s,position_m,speed", *(f"{k},{18 * k},18" for k in range(12)))
-    _, doubts, _ = settled(table, {}, VEHICLE)
+    _, doubts, _ = settled(file("time_s,position_m,speed", *(f"{k},{18 * k},18" for k in range(12))), {}, VEHICLE)
     (doubt,) = doubts
     assert doubt.sentence == "At most 18.0 in a train of 212 t, and no unit is named: is it km/h or m/s?"
 
 
 def test_a_line_current_and_its_voltage_are_known() -> None:
     head = "Temps (s);Vitesse (km/h);Courant ligne (A);Tension cat\u00e9naire (V)"
-    table = file(head, *(f"{k};{3 * k};{100 * k};750" for k in range(12)))
-    found, doubts, _ = settled(table, {}, VEHICLE)
+    found, doubts, _ = settled(file(head, *(f"{k};{3 * k};{100 * k};750" for k in range(12))), {}, VEHICLE)
     assert doubts == ()
     assert found["Courant ligne (A)"] == Meaning("line_current", "A")
     assert found["Tension cat\u00e9naire (V)"] == Meaning("line_voltage", "V")

@@ -55,7 +55,6 @@ def test_the_example_asks_for_its_track() -> None:
 def test_the_example_becomes_a_scenario_with_the_vehicle_that_is_there(base: Scenario) -> None:
     files, _ = example()
     reading = read(base, files)
-    assert reading.line is not None
     # from 12+000 to 24+000 of the three tables
     assert reading.line.line.length_m == 12_000
     assert reading.offers is not None
@@ -71,7 +70,6 @@ def test_the_example_becomes_a_scenario_with_the_vehicle_that_is_there(base: Sce
 def test_a_part_of_the_line_in_falling_chainage(base: Scenario) -> None:
     files, _ = example()
     reading = read(base, files, Stretch("12.7km", "15+100", reverse=True))
-    assert reading.line is not None
     gradients = [(one.length_m, one.gradient_permille) for one in reading.line.line.sections]
     # the rows -4 from 14+300 and 6.5 from 12+700, from the other side; the limit changes at 13+200, a curve at 14+900
     assert gradients == [(200, 4), (600, 4), (1100, -6.5), (500, -6.5)]
@@ -87,8 +85,7 @@ def test_a_place_that_is_none_is_refused(base: Scenario) -> None:
 def test_a_line_can_be_given_a_name(base: Scenario) -> None:
     files, _ = example()
     for brought_files in (files, brought("ttobench-track.json")):
-        reading = read(base, brought_files, Stretch(name="Harbour line"))
-        (offer,) = reading.offers or ()
+        (offer,) = read(base, brought_files, Stretch(name="Harbour line")).offers or ()
         scenario = parse_scenario(taken(offer, offer.time_s), "test")
         assert (scenario.line.name, scenario.title) == ("Harbour line", "Harbour line, Metro 81-7036, 5 cars")
 
@@ -103,8 +100,7 @@ def test_ttobench_gives_line_train_and_time(base: Scenario) -> None:
     assert both.title == "Example_Track, Example_Train"
     # the tunnel changes the train's resistance only where both are there
     assert [one.tunnel_factor for one in both.line.sections if one.tunnel_factor != 1] == [2.0]
-    train = parse_scenario(taken(offers["train"], 300.0), "test")
-    assert train.line == base.line
+    assert parse_scenario(taken(offers["train"], 300.0), "test").line == base.line
 
 
 def test_a_journey_alone_says_what_it_needs(base: Scenario) -> None:
@@ -130,8 +126,7 @@ def test_a_unit_in_doubt_is_asked_and_answered(base: Scenario) -> None:
 
 
 def test_positions_in_doubt_are_asked_and_answered() -> None:
-    content = b"from,to,gradient_permille\n0,1.5,2\n1.5,4,-3\n"
-    file = Brought(1, "g.csv", content)
+    file = Brought(1, "g.csv", b"from,to,gradient_permille\n0,1.5,2\n1.5,4,-3\n")
     (question,) = build_card(file).questions
     assert (question.sentence, question.answers) == ("Positions in km or in m?", (("Use km", "km"), ("Keep m", "m")))
     assert build_card(file.with_choice(question.key, "km")).result.end_m == 4000
@@ -139,8 +134,7 @@ def test_positions_in_doubt_are_asked_and_answered() -> None:
 
 
 def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -> None:
-    files = brought("limits.csv", "sncf-limits.csv")
-    reading = read(base, files)
+    reading = read(base, brought("limits.csv", "sncf-limits.csv"))
     assert reading.unused[0] == "limits.csv: sncf-limits.csv is taken for it."
     assert [table.source for table in reading.tables] == ["sncf-limits.csv"]
 
@@ -170,8 +164,7 @@ def test_a_line_waits_for_a_file_that_cannot_be_read(base: Scenario) -> None:
 
 
 def test_a_file_of_an_unknown_kind_is_waited_for_too(base: Scenario) -> None:
-    file = Brought(2, "staff.csv", b"name,role\nA,1\n")
-    assert offers_with(base, file) == {"line": ("staff.csv",)}
+    assert offers_with(base, Brought(2, "staff.csv", b"name,role\nA,1\n")) == {"line": ("staff.csv",)}
 
 
 def test_a_train_does_not_wait_for_gradients(base: Scenario) -> None:
@@ -198,8 +191,7 @@ def test_a_unit_that_is_not_understood_is_chosen_on_the_card() -> None:
 
 
 def test_a_code_page_is_chosen_on_the_card() -> None:
-    text = "Початок, км;Кінець, км;Ухил, \u2030\n0;0,5;3,5\n"
-    file = Brought(1, "gradients.csv", text.encode("cp1251"))
+    file = Brought(1, "gradients.csv", "Початок, км;Кінець, км;Ухил, \u2030\n0;0,5;3,5\n".encode("cp1251"))
     card = build_card(file)
     assert (card.failure, card.kind, card.choices[0].label, card.choices[0].value) == (
         "",

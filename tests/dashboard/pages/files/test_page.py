@@ -20,8 +20,7 @@ from railjoule.dashboard.workbench import Workbench
 @pytest.fixture
 def page() -> Files:
     """The page in sight; all work is done in the test's own turn."""
-    desk = Workbench(page="Files")
-    found: Files = desk.pages["Files"]
+    found: Files = Workbench(page="Files").pages["Files"]
     PageWorks(found)
     return found
 
@@ -32,8 +31,7 @@ def choose_track(page: Files) -> None:
 
 
 def press(page: Files, what: str, time: str) -> None:
-    offer = next(one for one in page.reading.offers if one.what == what)
-    page.use(offer, time)
+    page.use(next(one for one in page.reading.offers if one.what == what), time)
 
 
 def test_the_example_is_taken_as_one_step_and_drive_opens(page: Files) -> None:
@@ -47,8 +45,7 @@ def test_the_example_is_taken_as_one_step_and_drive_opens(page: Files) -> None:
     assert desk.scenario.scenario().line.length_m == 12_000
     history.note(snapshot_of(desk))
     assert history.can_undo
-    step = history.undo()
-    assert step["toml"] == before["toml"] is None
+    assert history.undo()["toml"] == before["toml"] is None
     assert not history.can_undo
 
 
@@ -142,8 +139,7 @@ def test_a_file_goes_to_the_tab_of_its_kind_and_a_scenario_is_opened(page: Files
     page.bring([("bad.csv", b"\x00")])
     assert page.tab == "line"
     assert page.cards[-1].failure.startswith("bad.csv: not a text file")
-    rows = b"time_s,speed_kmh\n" + b"1,1\n" * (MAX_ROWS + 1)
-    page.bring([("long.csv", rows)])
+    page.bring([("long.csv", b"time_s,speed_kmh\n" + b"1,1\n" * (MAX_ROWS + 1))])
     assert page.tab == "line"
     assert "at most 20\u202f000 can be read" in page.cards[-1].failure
     page.bring([("mine.toml", b"no scenario")])
@@ -223,8 +219,7 @@ def test_one_workbook_brings_all_tables_of_a_line(page: Files) -> None:
 
 def test_two_sheets_of_one_kind_wait_for_a_choice(page: Files) -> None:
     page.bring([("line.xlsx", line_workbook("Speeds, down"))])
-    names = {card.name: card for card in page.cards}
-    card = names["line.xlsx, speed limits"]
+    card = {card.name: card for card in page.cards}["line.xlsx, speed limits"]
     assert "choose one sheet by its name" in card.failure
     page.say(card.number, "sheet", "Speeds, down")
     (card,) = [one for one in page.cards if one.number == card.number]

@@ -73,8 +73,7 @@ def test_a_sheet_becomes_a_train_with_marked_assumptions(form: SheetForm, brough
     scenario = parse_scenario(taken(offer, offer.time_s))
     assert scenario.vehicle.name == "Our tram"
     assert "vehicle.rotating_mass_factor" in {one.key for one in scenario.vehicle.assumptions}
-    table = str(train_table(reading))
-    assert table.count("assumed") == len(scenario.vehicle.assumptions)
+    assert str(train_table(reading)).count("assumed") == len(scenario.vehicle.assumptions)
     *_, effects = assumed_effects(offer)
     shown = str(effects_table(effects))
     assert "Resistance" in shown

@@ -6,8 +6,6 @@ from pathlib import Path
 import pytest
 from commands import answer
 
-from railjoule.core.budget import LIBRARY, PAGE
-from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.limits import limits, markdown
 from railjoule.dashboard.look.glossary import TERMS
 from railjoule.dashboard.page_list import PAGES
@@ -30,12 +28,6 @@ def test_the_page_the_terminal_and_the_docs_list_each_limit(capsys):
         assert f"<td>{limit.of}</td><td>{limit.page}</td><td>{limit.library}</td>" in page
         assert any(line.split("  ")[0] == limit.of and limit.page in line for line in printed.splitlines())
     assert DOCS.read_text(encoding="utf-8") == markdown(), "renew it by its own command"
-
-
-def test_a_page_is_bounded_no_higher_than_the_library():
-    assert set(LIBRARY.strategy_cells) == set(PAGE.strategy_cells) <= set(STRATEGIES)
-    for field in ("row_count", "cell_count", "idling_cells", "chain_boxes", "loop_time_s", "loop_steps"):
-        assert getattr(PAGE, field) <= getattr(LIBRARY, field)
 
 
 def test_each_page_has_its_use():

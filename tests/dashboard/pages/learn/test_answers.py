@@ -42,9 +42,7 @@ def test_the_answers_agree_with_what_the_lessons_say() -> None:
 
 
 def test_a_second_more_saves_about_the_multiplier() -> None:
-    found = result("multiplier", 200.0)
-    price = found.runs["optimum"].price_of_time_w
-    assert price is not None
+    price = result("multiplier", 200.0).runs["optimum"].price_of_time_w
     # the curve is convex: a whole second saves a little less than its slope says
     assert 0.97 * price / 3600 < answer("multiplier", 200.0).number < price / 3600
 

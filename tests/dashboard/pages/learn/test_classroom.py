@@ -1,5 +1,7 @@
 """A class: who may join, what is taken, and when it is gone."""
 
+import re
+
 import pytest
 
 from railjoule.dashboard.limits import (
@@ -63,9 +65,8 @@ def test_a_closed_class_is_gone_with_all_that_it_had(clock: Clock) -> None:
     classroom.join("a", "Ada")
     classes.close(classroom)
     classes.close(classroom)
-    with pytest.raises(ClassError) as refusal:
+    with pytest.raises(ClassError, match="^" + re.escape(NO_CLASS) + "$"):
         classes.find(classroom.token)
-    assert str(refusal.value) == NO_CLASS
 
 
 def test_a_class_goes_hours_after_its_lecturer_has_left(clock: Clock) -> None:
@@ -84,9 +85,8 @@ def test_a_full_class_takes_nobody_more_but_another_name_of_those_that_are_there
     classroom = Classes(clock).open()
     for number in range(MOST_STUDENTS):
         classroom.join(str(number), "")
-    with pytest.raises(ClassError) as refusal:
+    with pytest.raises(ClassError, match="^" + re.escape(FULL) + "$"):
         classroom.join("one more", "")
-    assert str(refusal.value) == FULL
     # a name of one's own making that is as long as a book takes no memory
     with pytest.raises(ClassError):
         Classes(clock).open().join("x" * 1000, "")
@@ -97,9 +97,8 @@ def test_a_full_class_takes_nobody_more_but_another_name_of_those_that_are_there
 def test_a_server_has_so_many_classes_and_no_more(clock: Clock) -> None:
     classes = Classes(clock)
     opened = [classes.open() for _ in range(MOST_CLASSES)]
-    with pytest.raises(ClassError) as refusal:
+    with pytest.raises(ClassError, match="^" + re.escape(TOO_MANY) + "$"):
         classes.open()
-    assert str(refusal.value) == TOO_MANY
     classes.close(opened[0])
     classes.open()
 
@@ -109,9 +108,8 @@ def test_a_student_sends_one_result_at_a_time_and_others_need_not_wait(clock: Cl
     for student in ("a", "b"):
         classroom.join(student, "")
     classroom.take_run("a", run(9.0))
-    with pytest.raises(ClassError) as refusal:
+    with pytest.raises(ClassError, match="^" + re.escape(TOO_FAST) + "$"):
         classroom.take_guess("a", "coasting", 115.0, 20.0)
-    assert str(refusal.value) == TOO_FAST
     classroom.take_guess("b", "coasting", 115.0, 20.0)
     clock.now_s += RESULT_REST_S
     classroom.take_guess("a", "coasting", 115.0, 10.0)
@@ -141,7 +139,6 @@ def test_only_the_last_runs_are_kept_and_the_best_on_time_counts(clock: Clock) -
         clock.now_s += RESULT_REST_S
     assert [one.kwh for one in student.runs] == [kwh for kwh, _ in energies[-RUNS_KEPT:]]
     # less energy, but late
-    assert student.best is not None
     assert student.best.kwh == 8.5
 
 

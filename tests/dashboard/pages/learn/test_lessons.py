@@ -49,7 +49,6 @@ def test_the_answers_say_what_comes_out() -> None:
         assert f"{saved('coasting', time):.1f} % at {time} s" in answers["coasting"]
     for time in (200, 170, 160):
         steady = result("multiplier", time).steady
-        assert steady is not None
         assert f"{steady.price_of_time_w / 3600:.0f}" in answers["multiplier"]
     assert f"{saved('recuperation', 100):.1f} %" in answers["recuperation"]
     assert f"saves {saved('gradient', 20):.0f} %" in answers["gradient"]

@@ -94,8 +94,7 @@ def test_what_was_drawn_or_distributed_opens_where_it_goes_on(learn: Any) -> Non
 
 def test_a_link_has_a_run_to_race_and_shows_nothing_of_the_best() -> None:
     learn = opened(driven=COMMANDS)
-    ghost = learn.played["driven"].given["ghost"]
-    assert ghost["times"][-1] == pytest.approx(driven_run(COMMANDS).travel_time_s)
+    assert learn.played["driven"].given["ghost"]["times"][-1] == pytest.approx(driven_run(COMMANDS).travel_time_s)
     assert learn.played["driven"].lead == "driven"
     assert learn.played["driven"].verdict == {}
 

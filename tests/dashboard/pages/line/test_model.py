@@ -88,8 +88,7 @@ def test_a_time_out_of_its_bounds_changes_nothing(model: WholeLines) -> None:
 @pytest.mark.parametrize("reverse", [False, True])
 def test_times_reach_their_station_on_a_reversed_line_too(model: WholeLines, reverse: bool) -> None:
     model.desk.scenario.edit({"line.reverse": reverse})
-    market = station_of(model, "Market")
-    model.edit({market.number: {"dwell_s": 77.0, "arrival_s": 200.0}})
+    model.edit({station_of(model, "Market").number: {"dwell_s": 77.0, "arrival_s": 200.0}})
     stations = {station.name: station for station in model.desk.scenario.edited.line.stations}
     assert (stations["Market"].dwell_s, stations["Market"].arrival_s) == (77, 200)
     assert (stations["Central"].dwell_s, stations["Central"].arrival_s) == (40, None)

@@ -46,8 +46,7 @@ def test_a_given_timetable_is_a_second_bar_and_goes_again(runs: LineRuns, given:
     palette = Palette(False)
     bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)
     bars.show(lambda: bars.draw(given, "given", 900.0))
-    columns = [bars.sources[sharing].data for sharing in ("optimum", "given")]
-    for one, other in pairwise(columns):
+    for one, other in pairwise([bars.sources[sharing].data for sharing in ("optimum", "given")]):
         assert all(a < b for a, b in zip(one["right"], other["left"], strict=True))
     # a number stands at the end of the optimum's own bar, as high as that
     signs, optimum = bars.sources["signs"].data, bars.sources["optimum"].data
@@ -63,8 +62,7 @@ def test_a_given_timetable_is_a_second_bar_and_goes_again(runs: LineRuns, given:
 def test_a_station_can_be_dragged_until_a_leg_beside_it_has_nothing_left(given: LineRuns) -> None:
     grips = grip_columns(given)
     first, second = given.runs["given"].legs
-    assert grips["name"] == ["<b>B</b>"]
-    assert grips["time"] == pytest.approx([90.0], abs=1e-4)
+    assert (grips["name"], grips["time"]) == (["<b>B</b>"], pytest.approx([90.0], abs=1e-4))
     assert grips["low"] == pytest.approx([0.1])
     assert grips["high"] == pytest.approx([first.supplement_s + second.supplement_s - 0.1])
 

@@ -39,8 +39,7 @@ def test_an_arrival_is_fixed_by_two_equal_times(state: Workbench) -> None:
     fix(model.inner_stations[4], 510.0)
     assert model.runs.best.legs[4].arrival_s == pytest.approx(510, abs=1e-3)
     assert model.runs.best.run.energy_kwh > free
-    central = state.scenario.scenario().line.stations[5]
-    assert central.window_s == (510, 510)
+    assert state.scenario.scenario().line.stations[5].window_s == (510, 510)
 
 
 def test_a_window_around_the_optimum_binds_once_it_is_moved(state: Workbench) -> None:

@@ -68,8 +68,7 @@ def test_what_is_shipped_is_shown(papers: Papers) -> None:
 def test_printed_points_have_the_colour_of_their_line(dark: bool) -> None:
     palette = Palette(dark)
     first, second, points = draw_panel(PANEL, "Fig. 4", palette).renderers
-    tokens = THEMES["dark" if dark else "light"]
-    assert first.glyph.line_color == tokens["accent"]
+    assert first.glyph.line_color == THEMES["dark" if dark else "light"]["accent"]
     assert second.glyph.line_color == points.glyph.line_color != first.glyph.line_color
     assert list(points.data_source.data["y"]) == [75.0]
     palette.switch(not dark)

@@ -75,7 +75,6 @@ def test_the_head_counts_only_printed_numbers_and_each_once() -> None:
     assert "supports 1 of 2 claims of the papers, refutes 1 and leaves 0 undecided" in text
     assert "Of 2 printed numbers 1 agree within 1 %, 1 differ for a stated reason and none without one" in text
     row = re.search(r"Ftorek(.*?)<tr", overview_html({"ftorek": paper}))
-    assert row is not None
     assert re.findall(r"<td>(\d+)", row[1]) == ["2", "1", "1", "0", "2", "1", "1", "0"]
 
 

@@ -22,8 +22,7 @@ def test_the_sections_of_a_file_are_taken_over(model: SetSpeeds) -> None:
 def test_a_scenario_without_borders_has_two_halves() -> None:
     model = SetSpeeds(Workbench())
     model.take(load_scenario("liashenko-ii"))
-    assert model.borders_m == (650.0,)
-    assert model.limits_kmh == (80.0, 80.0)
+    assert (model.borders_m, model.limits_kmh) == ((650.0,), (80.0, 80.0))
 
 
 def test_given_limits_of_a_file_are_given() -> None:

@@ -31,8 +31,7 @@ def test_every_shipped_scenario_has_one_card() -> None:
 )
 def test_a_card_shows_the_run_that_drive_shows(name: str, words: str) -> None:
     ((card,),) = compute_cards((name,))
-    last = re.findall(r"<p>(.*?)</p>", card_html(card))[-1]
-    assert last.replace("\u00a0", " ") == words
+    assert re.findall(r"<p>(.*?)</p>", card_html(card))[-1].replace("\u00a0", " ") == words
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +55,7 @@ def test_the_picture_stays_in_its_frame(runs) -> None:
 
 
 def test_texts_of_a_scenario_are_escaped(runs) -> None:
-    named = runs.best.scenario.model_copy(update={"title": "<img src=x>"})
-    run = replace(runs.best, scenario=named)
+    run = replace(runs.best, scenario=runs.best.scenario.model_copy(update={"title": "<img src=x>"}))
     text = hero(replace(runs, runs={"optimal": run}))
     assert "<img" not in text
     assert "&lt;img" in text

@@ -1,11 +1,10 @@
 """The numbers of the tab "Chance"."""
 
-import html
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from markup import plain
 
 from railjoule.core import load_scenario
 from railjoule.core.studies.table import StudyTable
@@ -13,10 +12,6 @@ from railjoule.dashboard.pages.what_if.chance import chance_figures
 from railjoule.dashboard.pages.what_if.chance_charts import chance_table
 
 SCENARIO = load_scenario("metro-with-limit")
-
-
-def plain(markup: str) -> str:
-    return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", markup)).split())
 
 
 def drawn(energy_kwh: list[float], delay_s: float) -> StudyTable:

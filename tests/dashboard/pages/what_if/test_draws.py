@@ -20,7 +20,6 @@ def table() -> StudyTable:
 
 def test_columns_are_quantities_in_which_the_runs_differ(table: StudyTable) -> None:
     found = draws_table(table)
-    assert found is not None
     assert found.columns.keys() >= {"load", "error", "resistance", "energy", "over_replanned"}
     assert found.inputs == tuple(name for name in found.columns if name in INPUTS)
     np.testing.assert_allclose(found.values["energy"], table.energy_kwh)
@@ -35,7 +34,6 @@ def test_runs_that_came_to_a_stand_are_left_out_and_counted(table: StudyTable) -
     energies = table["energy_kwh"].copy()
     energies[:3] = np.nan
     found = draws_table(replace(table, columns={**table.columns, "energy_kwh": energies}))
-    assert found is not None
     assert found.rows.tolist() == list(range(3, RUNS))
     assert len(found.values["load"]) == RUNS - 3
     assert found.done == RUNS

@@ -1,11 +1,10 @@
 """The numbers of the tab "Events"."""
 
-import html
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from markup import plain
 from needing import needing
 
 from railjoule.core import load_scenario, solve
@@ -24,10 +23,6 @@ def ride():
         return DisturbedRun(planned, late, planned.travel_time_s, (), ())
 
     return made
-
-
-def plain(markup: str) -> str:
-    return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", markup)).split())
 
 
 def test_a_late_driver_is_shown_by_the_delay(ride) -> None:

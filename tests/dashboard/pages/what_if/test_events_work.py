@@ -26,8 +26,7 @@ def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
     before = model.rides
     state.day.events[0].duration_s = 35.0
     assert model.rides is not before
-    standing = np.diff(model.rides.rides["known"].actual.time_s)
-    assert standing.max() == pytest.approx(35.0)
+    assert np.diff(model.rides.rides["known"].actual.time_s).max() == pytest.approx(35.0)
 
 
 def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbench) -> None:
@@ -90,7 +89,6 @@ def test_a_limit_on_the_shipped_tram_is_possible() -> None:
     state.day.drop("limit", 475.0)
     model = state.pages["What if"]
     assert model.failure is None
-    assert model.rides is not None
     planned = model.rides.rides["driver"].planned.energy_kwh
     assert all(planned < ride.actual.energy_kwh < 2 * planned for ride in model.rides.rides.values())
 

@@ -1,7 +1,8 @@
 """The numbers of the tab "Load and position"."""
 
-import html
 import re
+
+from markup import plain
 
 from railjoule.core import load_scenario
 from railjoule.core.simulation.following import plan_knowing_load
@@ -12,10 +13,6 @@ from railjoule.dashboard.pages.what_if.load import load_figures
 
 NO_TARGET_CURVE = load_scenario("metro-with-limit", {"simulation.target_braking": False})
 """A train that brakes where it thinks the curve begins, and so may miss its stop."""
-
-
-def plain(markup: str) -> str:
-    return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", markup)).split())
 
 
 def reality_at(load_factor: float, error_m: float) -> Reality:
@@ -39,9 +36,7 @@ def test_a_run_that_misses_timetable_and_stop_is_no_saving() -> None:
 def test_energy_is_compared_with_the_plan_for_the_load_that_arrives_when_the_run_did() -> None:
     reality = reality_at(1.0, 10.0)
     run = reality.following.actual
-    later = NO_TARGET_CURVE.replace(**{"timetable.travel_time_s": run.travel_time_s})
-    equal = plan_knowing_load(later, 1.0)
-    assert equal is not None
+    equal = plan_knowing_load(NO_TARGET_CURVE.replace(**{"timetable.travel_time_s": run.travel_time_s}), 1.0)
     assert reality.equal_kwh == equal.energy_kwh
     # 3.2 s more save energy: beside the plan for the timetable the run looked better than it is
     assert reality.replanned_kwh is not None
