@@ -134,8 +134,8 @@ def test_full_power_that_loses_speed_uphill_lasts_until_the_next_instruction():
     """12 per mille of 100 t are 11.8 kN, the train has 5: d(v^2) / ds = -2 6.8 / 110 until coasting begins at 500 m."""
     weak = {"vehicle.traction": {"max_effort_kn": 5.0, "max_speed_kmh": 200.0}}
     hill = {"line.sections": [{"length_m": 1000.0, "gradient_permille": 12.0}]}
-    told = [Instruction("full_power", 0), Instruction("coast", 500), Instruction("brake", 800, 0, 1000)]
-    run = drive_advice(flat(**weak, **hill), told, initial_speed_ms=20.0)
+    advice = [Instruction("full_power", 0), Instruction("coast", 500), Instruction("brake", 800, 0, 1000)]
+    run = drive_advice(flat(**weak, **hill), advice, initial_speed_ms=20.0)
     slope = 2 * (5e3 - 100e3 * 9.81 * 0.012) / 110e3
     assert speed_kmh_at(run, [250, 500]) == pytest.approx(3.6 * np.sqrt(400 + slope * np.array([250, 500])), rel=1e-4)
     assert run.tractive_effort_n[run.position_m[:-1] > 500].max() < 12e3
