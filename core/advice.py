@@ -24,6 +24,8 @@ BRAKING_RESERVE_MS = HOLD_TOLERANCE_MS
 """A brake is begun so early that it still suffices for a train that is faster by this: it reads the same speed."""
 SWING_KMH = 2 * HOLD_TOLERANCE_MS / MS_PER_KMH
 """How far an alternating hold swings to each side of its speed, or less far up and farther down below a limit."""
+PRINTED_MS = 0.05 * MS_PER_KMH
+"""By so much a speed is rounded where it is printed."""
 # rounding of sums of cells; far enough from a node to lie in its neighbour; what counts as standing
 SAME_PLACE_M, BESIDE_M, AT_REST_MS = 1e-6, 1e-3, 1e-3
 POWERED: tuple[PhaseName, ...] = ("full_power", "part_power")
@@ -43,7 +45,8 @@ class Instruction:
     from_m : float
         Begin, in whole metres; at a start or a stop the exact position [m].
     to_kmh : float or None
-        The speed that power or a brake leads to, or that is held: in tenths; None for coasting and standing [km/h].
+        The speed that power or a brake leads to, or that is held: in tenths; None for coasting, for standing, and for
+        full power that loses speed uphill [km/h].
     at_m : float or None
         Position at which part power or a brake reaches that speed, or coasting comes to a stop, in whole metres; at a
         stop the exact position [m].
@@ -70,7 +73,7 @@ class Instruction:
 def advise(run: "Trajectory") -> tuple[Instruction, ...]:
     """Return one instruction for each phase of a run, in order."""
     phases, data = run.phases, run.run_data
-    begins = [_begin_m(phase, data) for phase in phases]
+    begins = [_begin_m(phase, before, data) for before, phase in zip((None, *phases), phases, strict=False)]
     # a brake's reserve ends where the phase before it begins
     # a brake may be moved before the start of the phase that it ends, and an instruction cannot begin before its
     # predecessor
@@ -79,17 +82,39 @@ def advise(run: "Trajectory") -> tuple[Instruction, ...]:
     return tuple(_instruction(phase, begin, end, data) for phase, begin, end in zip(phases, begins, ends, strict=True))
 
 
-def _begin_m(phase: Phase, data: RunData) -> float:
+def _begin_m(phase: Phase, before: Phase | None, data: RunData) -> float:
     """Return the begin of a phase [m]: brakes with their reserve, power no earlier than a limit may end."""
-    if phase.start_ms <= AT_REST_MS or phase.start_m == data.position_m[0]:
+    if phase.start_ms <= AT_REST_MS or phase.start_m == data.position_m[0] or before is None:
         return phase.start_m
     if phase.phase == "brake":
         start, end = (phase.start_m, phase.start_ms), (phase.end_m, phase.end_ms)
-        return float(math.floor(brake_place_m(data, start, end, BRAKING_RESERVE_MS) + SAME_PLACE_M))
+        if before.phase == "brake":
+            # the train has the speed of the advice, and would creep through a longer reserve before a stop
+            by_full_brake_m = brake_place_m(data, start, end, PRINTED_MS)
+            place_m = max(by_full_brake_m, _place_when_faster_m(phase, phase.start_ms + PRINTED_MS))
+        else:
+            place_m = brake_place_m(data, start, end, BRAKING_RESERVE_MS)
+        return float(math.floor(place_m + SAME_PLACE_M))
     if phase.phase in POWERED:
         # power late and brakes early: rounding the other way could break a limit by up to a metre
         return float(math.ceil(phase.start_m - SAME_PLACE_M))
+    limit_ms = _limit_kmh(data, phase.end_m - BESIDE_M, phase.end_m + BESIDE_M) * MS_PER_KMH
+    if phase.phase == "coast" and before.phase == "hold" and phase.end_ms >= limit_ms - PRINTED_MS:
+        return float(round(_place_when_faster_m(phase, _held_kmh(before, data) * MS_PER_KMH)))
     return float(round(phase.start_m))
+
+
+def _place_when_faster_m(phase: Phase, speed_ms: float) -> float:
+    """Return where a phase that slows down begins for a train that is faster than the run, to end as the run does."""
+    lost2 = phase.start_ms**2 - phase.end_ms**2
+    if speed_ms <= phase.start_ms or lost2 <= 0.0:
+        return phase.start_m
+    return phase.end_m - (phase.end_m - phase.start_m) * (speed_ms**2 - phase.end_ms**2) / lost2
+
+
+def _held_kmh(hold: Phase, data: RunData) -> float:
+    """Return the printed speed of a hold [km/h]."""
+    return _printed_kmh(hold.mean_speed_ms, _limit_kmh(data, hold.start_m, hold.end_m))
 
 
 def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> Instruction:
@@ -97,8 +122,7 @@ def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> In
     if action == "stand":
         return Instruction(action, from_m, stand_s=round(phase.end_s - phase.start_s, 1))
     if action == "hold":
-        limit_kmh = _limit_kmh(data, phase.start_m, phase.end_m)
-        speed = _printed_kmh(phase.mean_speed_ms, limit_kmh)
+        limit_kmh, speed = _limit_kmh(data, phase.start_m, phase.end_m), _held_kmh(phase, data)
         if phase.effort_share is None:
             return Instruction(action, from_m, speed)
         # the run itself may swing faster and less far, as its mesh lets it; the energy of turns hardly depends on that
@@ -110,7 +134,8 @@ def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> In
         return Instruction(action, from_m)
     speed = _printed_kmh(phase.end_ms, _limit_kmh(data, phase.end_m - BESIDE_M, phase.end_m + BESIDE_M))
     if action == "full_power":
-        return Instruction(action, from_m, speed)
+        # uphill the train may get slower: the driver would take power back at once for a speed below his own
+        return Instruction(action, from_m, speed if phase.end_ms > phase.start_ms else None)
     if action != "brake":
         return Instruction(action, from_m, speed, end_m)
     if speed > 0 and phase.end_m < data.position_m[-1]:

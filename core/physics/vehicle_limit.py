@@ -20,6 +20,9 @@ Curve = tuple[tuple[float, float], ...]
 # an effort that jumped with speed would leave a solver without slopes; over so little a train gains nothing
 RAMP_MS = 0.01
 """A step of a curve is a ramp of this width, on the side of the higher effort [m/s]."""
+# an interior point needs some room below a limit: ten times what the fit of a table may take away
+LEAST_SHARE = 1e-5
+"""A point of a curve without effort has this share of the largest one."""
 
 
 def curve_effort_n(curve: Curve, speed_ms: FloatArray) -> FloatArray:
@@ -41,6 +44,7 @@ def _without_steps(curve: Curve) -> tuple[FloatArray, FloatArray]:
     """Return rising speeds [m/s] and efforts [N] of the points of a curve, its steps as ramps."""
     points = np.array(curve)
     places, efforts = points[:, 0] * MS_PER_KMH, points[:, 1] * N_PER_KN
+    efforts = np.maximum(efforts, LEAST_SHARE * efforts.max())
     ramped, rise = places.copy(), np.zeros(len(places))
     for i in np.flatnonzero(np.diff(places) == 0):
         # the higher point moves away from the step, but not to the next point

@@ -4,7 +4,7 @@ The driver is familiar with train and line, so he can hold a speed, change it st
 a position. All numbers are those of the instructions, as printed; the run itself is unknown to him.
 
 - Full power: all the power that the train has, until the speed is reached, which the driver then keeps until the next
-  instruction; coasting begins immediately.
+  instruction; coasting begins immediately. Uphill, where the train gets slower, until the next instruction.
 - Part power: a steady change of speed squared to the speed at the place.
 - Hold: the speed, by power or brakes; what differs from it fades within metres. By turns: the power named up to the
   upper speed, then coasting down to the lower one.
@@ -115,7 +115,7 @@ def _drive_cells(
         Square of speed at the first node [m2/s2].
     """
     # coasting after full power begins when the speed is reached, wherever that is: the printed position is rounded
-    follows = [before == "full_power" for before in ["", *(order.action for order in orders[:-1])]]
+    follows = [False, *(order.action == "full_power" and order.to_kmh is not None for order in orders[:-1])]
     begins = [
         math.inf if order.action == "coast" and after_power else order.from_m
         for order, after_power in zip(orders, follows, strict=True)
@@ -206,7 +206,8 @@ def _driven(
             rolling = min(speed2, CREEPING_MS**2, top) if switched else 0.0
             return max(free, rolling), 1.0, switched or free > CREEPING_MS**2
     if action == "full_power" and not switched:
-        if top < aim2:
+        # every comparison with NaN is false
+        if not top >= aim2:
             return top, 1.0, False
         return max(speed2, aim2), _part_until(speed2, top, aim2), True
     if action == "hold" and order.power_share:

@@ -98,6 +98,17 @@ class Following(DrivenPlan):
         """How much later than planned it arrived [s]."""
         return self.departure_delay_s + self.actual.travel_time_s - self.planned.travel_time_s
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A sentence on the target curves that the plan keeps to, and needs more energy for than one without them."""
+        options = self.actual.scenario.simulation
+        if not options.target_braking:
+            return ()
+        return (
+            f"The plan brakes along target curves of {options.target_deceleration_ms2:g} m/s2; "
+            "simulation.target_braking = false plans without them.",
+        )
+
 
 def simulate_following(scenario: Scenario) -> Following:
     """Plan a scenario, and follow the plan under its disturbance.

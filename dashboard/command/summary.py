@@ -149,6 +149,7 @@ def summarise_following(following: "Following") -> Summary:
         **_beside_plan(following),
         "stop_errors_m": list(following.stop_errors_m),
         "delay_s": following.delay_s,
+        "notes": list(following.notes),
     }
 
 

@@ -141,7 +141,7 @@ def _crush_load_lines(summary: Summary) -> list[str]:
 
 def following_text(following: Summary) -> str:
     """Return a plan and the run that follows it."""
-    return _beside_plan(following, "followed", _outcome(following), _driver_line(following))
+    return _beside_plan(following, "followed", _outcome(following), *following["notes"], _driver_line(following))
 
 
 def ride_text(ride: Summary) -> str:

@@ -286,7 +286,7 @@ def advice_words(
     if instruction.action == "hold":
         return f"{action} {tenths(instruction.to_kmh or 0.0, number)} km/h{start}{_turns_words(instruction, number)}"
     if instruction.to_kmh is None:
-        return f"{action}{start}" if start else "roll"
+        return f"{action}{start}" if start or instruction.action != "coast" else "roll"
     aim = f"{tenths(instruction.to_kmh, number)} km/h" if instruction.to_kmh > 0 else "a stop"
     return f"{action}{start} to {aim}{place('at', instruction.at_m)}"
 

@@ -87,6 +87,34 @@ def test_no_effort_at_an_end_gives_no_warning(changes: dict[str, Any]) -> None:
     assert check_run(scenario, run).ok
 
 
+NONE_ABOVE_50 = {"curve": [[0, 80], [50, 80], [50, 0], [100, 0]], "friction_effort_kn": 100.0}
+NONE_ABOVE_60 = {"curve": [[0, 80], [40, 80], [60, 0], [100, 0]], "friction_effort_kn": 100.0}
+
+
+def test_a_brake_without_effort_above_a_speed_recuperates_only_below_it() -> None:
+    """The fastest run of 110 t brakes with 80 + 100 kN from 50 km/h: M v dv = F ds, and half of 0.85 comes back."""
+    run = solve(plain_scenario({"vehicle.braking": NONE_ABOVE_50, "solver.mesh_m": 2.0}), "fastest")
+    speed = (np.arange(5000) + 0.5) * 50 / 3.6 / 5000
+    braked = 180e3 + 981 * (2 + 5e-4 * (3.6 * speed) ** 2)
+    distance_m = float(np.sum(110e3 * speed / braked) * 50 / 3.6 / 5000)
+    assert run.energy.recuperated_j == pytest.approx(0.5 * 0.85 * 80e3 * distance_m, rel=0.02)
+    above = run.speed_ms[1:] > 50.1 / 3.6
+    assert run.electric_braking_n[above].max() < 1.0
+
+
+@pytest.mark.parametrize("brakes", [NONE_ABOVE_50, NONE_ABOVE_60], ids=["step", "falling"])
+@pytest.mark.parametrize("friction_kn", [0.0, 100.0])
+def test_the_optimum_of_a_brake_without_effort_above_a_speed_agrees_with_backward_induction(
+    brakes: dict[str, Any], friction_kn: float
+) -> None:
+    scenario = plain_scenario({"vehicle.braking": {**brakes, "friction_effort_kn": friction_kn}})
+    run, other = solve(scenario, check=True), solve(scenario, "bellman", check=True)
+    assert run.notes == ()
+    assert run.bound is not None
+    assert run.bound.energy_j <= other.energy.net_j
+    assert run.energy_kwh == pytest.approx(other.energy_kwh, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("curve", "sentence"),
     [

@@ -19,16 +19,8 @@ from railjoule.core.strategies import STRATEGIES, compare, run_strategy
 
 LONG = {"metro-10-stations", "high-speed-velaro"}
 """Their runs by all strategies, and drivers who follow them, take as long as those of the others together."""
-DRIFTING = {
-    ("freight-vectron", "optimal"),
-    ("high-speed-velaro", "fastest"),
-    ("light-rail-sd160", "bellman"),
-    ("light-rail-sd160", "optimal"),
-    ("regional-flirt", "bellman"),
-    ("regional-flirt", "optimal"),
-    ("regional-flirt", "phases"),
-}
-"""Runs over long lines whose advice leaves a bound in open loop, by up to 18 s and 2 % (light rail): a known fault."""
+DRIFTING = {("light-rail-sd160", "bellman"), ("light-rail-sd160", "optimal")}
+"""Runs that are late by 3.6 and 4.3 s: at each of six stops the last brake begins up to a metre early."""
 LONG_ADVICE = {("high-speed-velaro", "linear_reserve")}
 """24 instructions for one stop: its easing follows each gradient."""
 SCENARIOS = [pytest.param(name, marks=[pytest.mark.nightly][: name in LONG]) for name in preset_names("scenarios")]
@@ -148,6 +140,17 @@ def test_full_power_until_the_speed_then_coasting():
     assert speed_kmh_at(run, [60, 500, 900]) == pytest.approx([36, 36, 36], abs=1e-6)
     assert run.travel_time_s == pytest.approx(10 + 85 + 20, abs=1e-6)
     assert run.energy.traction_j * 0.85 == pytest.approx(110e3 * 50, rel=1e-9)
+
+
+def test_full_power_that_loses_speed_uphill_lasts_until_the_next_instruction():
+    """12 per mille of 100 t are 11.8 kN, the train has 5: d(v^2) / ds = -2 6.8 / 110 until coasting begins at 500 m."""
+    weak = {"vehicle.traction": {"max_effort_kn": 5.0, "max_speed_kmh": 200.0}}
+    hill = {"line.sections": [{"length_m": 1000.0, "gradient_permille": 12.0}]}
+    advice = [Instruction("full_power", 0), Instruction("coast", 500), Instruction("brake", 800, 0, 1000)]
+    run = drive_advice(flat(**weak, **hill), advice, initial_speed_ms=20.0)
+    slope = 2 * (5e3 - 100e3 * 9.81 * 0.012) / 110e3
+    assert speed_kmh_at(run, [250, 500]) == pytest.approx(3.6 * np.sqrt(400 + slope * np.array([250, 500])), rel=1e-4)
+    assert run.tractive_effort_n[run.position_m[:-1] > 500].max() < 12e3
 
 
 def test_full_power_keeps_its_speed_until_a_brake_begins():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from builders import plain_scenario
 
-from railjoule.core import InfeasibleLineError, ScenarioError, load_scenario
+from railjoule.core import InfeasibleLineError, ScenarioError, load_scenario, solve
 from railjoule.core.simulation.following import plan_for, simulate_following
 
 LINES = ("liashenko-0", "liashenko-i", "liashenko-ii", "liashenko-iii")
@@ -56,7 +56,15 @@ def test_the_plan_obeys_the_target_curve_unless_it_is_off():
     before = 1000.0 - run.position_m
     near = (before > 0) & (before < 300)
     assert np.all(run.speed_ms[near] ** 2 <= 2 * 0.6 * before[near] * (1 + 1e-9))
-    assert plan_for(scenario.replace(**{"simulation.target_braking": False})).energy_kwh < run.energy_kwh
+    without = scenario.replace(**{"simulation.target_braking": False})
+    free = plan_for(without)
+    assert free.energy_kwh < run.energy_kwh
+    # only the plan without curves is the run of `solve`
+    assert free.energy_kwh == pytest.approx(solve(scenario).energy_kwh, rel=1e-9)
+    assert simulate_following(without).notes == ()
+    assert simulate_following(scenario).notes == (
+        "The plan brakes along target curves of 0.6 m/s2; simulation.target_braking = false plans without them.",
+    )
 
 
 def test_a_train_that_is_too_heavy_for_its_plan_is_late():

@@ -271,11 +271,14 @@ def test_simulate_shows_the_plan_and_what_became_of_it(capsys):
     changes = ["disturbance.coordinate_error_m=15", "disturbance.actual_load_factor=1"]
     assert main(["simulate", "liashenko-ii", "--set", *changes, "--json"]) == OK
     answer = json.loads(capsys.readouterr().out)
-    assert set(answer) == {"planned", "actual", "overconsumption", "stop_error_m", "stop_errors_m", "delay_s"}
+    keys = {"planned", "actual", "overconsumption", "stop_error_m", "stop_errors_m", "delay_s", "notes"}
+    assert set(answer) == keys
     more = answer["actual"]["energy_kwh"] / answer["planned"]["energy_kwh"] - 1
     assert answer["overconsumption"] == pytest.approx(more)
     assert main(["simulate", "liashenko-ii", "--set", *changes]) == OK
-    assert f"{100 * more:+.1f} % energy" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert f"{100 * more:+.1f} % energy" in printed
+    assert answer["notes"][0] in printed
 
 
 def test_simulate_drives_in_closed_loop(capsys):
