@@ -315,7 +315,14 @@ class Drive(Page):
         """Make the parts that are not needed when the page opens."""
         self.mover_menu = menu(self, "moved_phase", "Move an instruction", {"None": NOTHING_MOVED}, **MOVER_MENU)
         self.moved_field = parts.stack(NumberField(self, "moved_to_m"), visible=False, **MOVER_MENU)
-        self.pin_moved = pmui.Button(label="Pin the moved run", **SMALL, visible=False, on_click=self._pin_moved)
+        self.pin_moved = pmui.Button(
+            label="Pin the moved run",
+            **SMALL,
+            visible=False,
+            on_click=lambda _: self.desk.pin_moved(
+                self.moved.found, self.moved.request.number, self.moved.request.place_m
+            ),
+        )
         with one_message():
             row = self.mover_menu, self.moved_field, self.moved_text, self.pin_moved
             self.mover[:] = [pn.Row(*row, margin=0, stylesheets=[MOVER_CSS])]
@@ -347,10 +354,6 @@ class Drive(Page):
             simple = self._advised(found[0])[2]
             if simple is not None:
                 self.desk.pin_simple(self.simple.request, simple)
-
-    def _pin_moved(self, *_: Any) -> None:
-        move, run = self.moved.request, self.moved.found
-        self.desk.pin_moved(run, move.number, move.place_m)
 
     def _press_prove(self, *_: Any) -> None:
         if self.proving_further:

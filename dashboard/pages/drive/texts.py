@@ -3,7 +3,6 @@
 from functools import cache
 from importlib.resources import files
 from itertools import accumulate
-from typing import NamedTuple
 
 import numpy as np
 from jinja2 import Environment, StrictUndefined, Template
@@ -203,15 +202,15 @@ def worth(
             [f"This run is {late}: that saves nothing." if late else f"{name}: {later}, not comparable."]
         )
     saved_kwh = baseline.energy_kwh - run.energy_kwh
-    saving = yearly_saving(saved_kwh, trains_per_day, price_per_kwh, co2_kg_per_kwh)
+    energy_mwh, money, co2_t = yearly_saving(saved_kwh, trains_per_day, price_per_kwh, co2_kg_per_kwh)
     verb = "Saved" if saved_kwh >= 0 else "Lost"
     rows = [
         (
-            (f"Energy, {words.number(abs(saved_kwh), 2)} kWh a run", f"{words.number(abs(saving.energy_mwh), 0)} MWh"),
+            (f"Energy, {words.number(abs(saved_kwh), 2)} kWh a run", f"{words.number(abs(energy_mwh), 0)} MWh"),
             False,
         ),
-        (("Money, as the price", words.number(abs(saving.money), 0)), False),
-        (("CO\u2082", f"{words.number(abs(saving.co2_t), 0)} t"), False),
+        (("Money, as the price", words.number(abs(money), 0)), False),
+        (("CO\u2082", f"{words.number(abs(co2_t), 0)} t"), False),
     ]
     earlier_s = run.travel_time_s - baseline.travel_time_s
     note = f"{name}: {words.time(earlier_s)} s earlier." if earlier_s >= comparisons.OTHER_TIME_S else ""
@@ -240,16 +239,10 @@ DAYS_A_YEAR = 365
 KWH_PER_MWH, KG_PER_T = 1e3, 1e3
 
 
-class YearlySaving(NamedTuple):
-    """Energy [MWh], money [in the currency of the price] and carbon dioxide [t] saved in a year; negative if lost."""
-
-    energy_mwh: float
-    money: float
-    co2_t: float
-
-
-def yearly_saving(saved_kwh: float, trains_per_day: float, price_per_kwh: float, co2_kg_per_kwh: float) -> YearlySaving:
-    """Return the saving of a year of 365 days, if each train of a day saves the same energy.
+def yearly_saving(
+    saved_kwh: float, trains_per_day: float, price_per_kwh: float, co2_kg_per_kwh: float
+) -> tuple[float, float, float]:
+    """Return energy [MWh], money and carbon dioxide [t] that all trains of 365 days save; negative if lost.
 
     Parameters
     ----------
@@ -261,7 +254,7 @@ def yearly_saving(saved_kwh: float, trains_per_day: float, price_per_kwh: float,
         Carbon dioxide emitted per energy from the supply [kg/kWh].
     """
     yearly_kwh = saved_kwh * trains_per_day * DAYS_A_YEAR
-    return YearlySaving(yearly_kwh / KWH_PER_MWH, yearly_kwh * price_per_kwh, yearly_kwh * co2_kg_per_kwh / KG_PER_T)
+    return yearly_kwh / KWH_PER_MWH, yearly_kwh * price_per_kwh, yearly_kwh * co2_kg_per_kwh / KG_PER_T
 
 
 # ---- the driver's card

@@ -11,7 +11,7 @@ from panel.viewable import Viewable
 from railjoule.core.parquet import has_parquet
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.theme import explore_css
+from railjoule.dashboard.look.theme import explore_css, parts_css
 from railjoule.dashboard.page import shows
 from railjoule.dashboard.pages.explore import texts
 from railjoule.dashboard.pages.explore.charts import (
@@ -73,7 +73,9 @@ class Explore(Studies):
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
         plots = self.host.plots
-        self.finding, self.status, self.legend, self.indices, self.intro, self.list = (_pane() for _ in range(6))
+        self.finding, self.status, self.legend, self.indices, self.intro, self.list = (
+            parts.html_pane(stylesheets=[parts_css(), explore_css()]) for _ in range(6)
+        )
         acts = {"Stop": self.stop, "Resume": self.go_on, "Close the draws": lambda _: self.param.update(draws=None)}
         self.buttons = {label: button(label, act, margin=(0, 0, 0, 6)) for label, act in acts.items()}
         suffixes = {SUFFIX: "Save study", ".csv": "CSV", **({".parquet": "Parquet"} if has_parquet() else {})}
@@ -281,9 +283,3 @@ class Explore(Studies):
             if chart.palette.tokens is not self.host.palette.tokens:
                 chart.palette.switch(self.desk.dark)
             chart.show(partial(chart.draw, look, name))
-
-
-def _pane() -> Any:
-    pane = parts.html_pane()
-    pane.stylesheets = [*pane.stylesheets, explore_css()]
-    return pane

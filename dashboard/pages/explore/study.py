@@ -327,10 +327,6 @@ class Studies(Page):
 
     # ---- the sidebar
 
-    def layout_ranges(self) -> Viewable:
-        """Return the inputs and their ranges."""
-        return InputRanges(self).view
-
     def layout_start(self) -> Viewable:
         """Return the estimate, and the button that opens a study."""
         self.estimate = parts.html_pane()
@@ -357,7 +353,15 @@ class Studies(Page):
         self._show_estimate()
         return parts.stack(self.estimate, file)
 
-    fields = (Own(layout_ranges), Section("Runs"), "method", "strategy", "runs", "seed", Own(layout_start))
+    fields = (
+        Own(lambda page: InputRanges(page).view),
+        Section("Runs"),
+        "method",
+        "strategy",
+        "runs",
+        "seed",
+        Own(layout_start),
+    )
 
     def _show_estimate(self, *_: Any) -> None:
         preview = self.preview

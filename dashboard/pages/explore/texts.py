@@ -149,27 +149,24 @@ def indices_html(shares: Shares, columns: Mapping[str, Column]) -> Markup:
     return markup(
         '<div class="block">{}<div class="shares">{}</div>{}{}</div>',
         title,
-        joined(_bars(shares, columns)),
+        joined(
+            markup(
+                '<span>{}</span><span class="bar" title="by itself {} %, with the others {} %">'
+                '<u style="width:{}%"></u><i style="width:{}%"></i></span>'
+                '<span><b>{}</b> <span class="muted">\u00b1 {}</span></span>',
+                columns[name].quantity,
+                words.number(100 * first),
+                words.number(100 * total),
+                f"{100 * min(max(total, 0.0), 1.0):.2f}",
+                f"{100 * min(max(first, 0.0), 1.0):.2f}",
+                words.number(100 * first),
+                words.number(100 * error),
+            )
+            for name, first, total, error in zip(shares.fields, shares.first, shares.total, shares.error, strict=True)
+        ),
         keys,
         parts.note_paragraphs([note] if shares.explained < WELL_EXPLAINED else []),
     )
-
-
-def _bars(shares: Shares, columns: Mapping[str, Column]) -> list[Markup]:
-    return [
-        markup(
-            '<span>{}</span><span class="bar" title="by itself {} %, with the others {} %"><u style="width:{}%"></u>'
-            '<i style="width:{}%"></i></span><span><b>{}</b> <span class="muted">\u00b1 {}</span></span>',
-            columns[name].quantity,
-            words.number(100 * first),
-            words.number(100 * total),
-            f"{100 * min(max(total, 0.0), 1.0):.2f}",
-            f"{100 * min(max(first, 0.0), 1.0):.2f}",
-            words.number(100 * first),
-            words.number(100 * error),
-        )
-        for name, first, total, error in zip(shares.fields, shares.first, shares.total, shares.error, strict=True)
-    ]
 
 
 def rows_html(look: Look) -> Markup:

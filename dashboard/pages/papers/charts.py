@@ -117,7 +117,10 @@ def draw_panel(panel: Panel, place: str, palette: Palette) -> figure:
     name = f"{place}: {y_title} over {x_title}"
     x_range, y_range = (DataRange1d(range_padding=0.08) for _ in "xy")
     f = empty_figure(PANEL_HEIGHT_PX, x_range, y_range, name, palette, x_title=x_title, y_title=y_title)
-    looks = _looks(panel.lines)
+    labels = dict.fromkeys(line.label for line in panel.lines)
+    looks = {
+        label: (COLOURS[k % len(COLOURS)], DASHES[k // len(COLOURS) % len(DASHES)]) for k, label in enumerate(labels)
+    }
     for line in panel.lines:
         token, dash = looks[line.label]
         more = {} if len(panel.lines) == 1 else {"legend_label": _label(line)}
@@ -138,13 +141,6 @@ def draw_panel(panel: Panel, place: str, palette: Palette) -> figure:
 def _label(line: Line) -> str:
     label = typeset_plain(line.label)
     return f"{label}, printed" if line.is_printed and "printed" not in label else label
-
-
-def _looks(lines: Sequence[Line]) -> dict[str, tuple[str, str]]:
-    labels = dict.fromkeys(line.label for line in lines)
-    return {
-        label: (COLOURS[k % len(COLOURS)], DASHES[k // len(COLOURS) % len(DASHES)]) for k, label in enumerate(labels)
-    }
 
 
 def _place_legend(f: figure, palette: Palette, columns: int) -> None:

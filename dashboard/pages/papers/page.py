@@ -161,11 +161,11 @@ class PaperSection:
     """One paper: its citation, claims, tables and figures."""
 
     def __init__(self, page: Papers, name: str, paper: Validation) -> None:
-        self.page, self.name, self.paper = page, name, paper
+        self.page, self.name = page, name
         comparison = COMPARISONS[name]()
         self._printed, self._drawn = comparison.figures, tuple[FigureData, ...]()
         self.download = pmui.FileDownload(
-            callback=self._csv,
+            callback=lambda: StringIO(tables_csv(paper.tables)),
             filename=f"{name}.csv",
             label=f"{AUTHORS[name]} as CSV",
             variant="text",
@@ -207,9 +207,6 @@ class PaperSection:
         self.button.visible = len(self._drawn) < len(self._printed)
         left = f"{len(self._printed) - len(self._drawn)} more to compute."
         self.status.object = parts.note_paragraphs([left] if computing else [])
-
-    def _csv(self) -> StringIO:
-        return StringIO(tables_csv(self.paper.tables))
 
     def _figure(self, printed: PaperFigure, rebuilt: FigureData) -> Viewable:
         """Return a printed figure that is computed, and the way to its scenario."""

@@ -51,8 +51,8 @@ def typeset(text: str) -> Markup:
 
 
 def typeset_plain(text: str) -> str:
-    """Return a text of a paper for a figure, which takes no HTML: 'T_m' with a subscript."""
-    return LOW_SYMBOL.sub(lambda found: found[1] + found[2].translate(LOWERED), text)
+    """Return a text of a paper for a figure, which takes no HTML: 'T_m' with a subscript, and 'm/s2' raised."""
+    return LOW_SYMBOL.sub(lambda found: found[1] + found[2].translate(LOWERED), text).replace("m/s2", "m/s\u00b2")
 
 
 def tables_csv(tables: tuple[Table, ...]) -> str:

@@ -214,10 +214,6 @@ class ChanceTab(Page):
         """Return whether all runs of the present conditions were asked for."""
         return into == "chance" and self.more_of is not None and self.more_of == self._draws(PREVIEW_RUNS)
 
-    def search_robust(self, *_: Any) -> None:
-        """Search the robust plan."""
-        self.param.trigger("find_robust")
-
     def _draws(self, runs: int, **more: Any) -> tuple[Any, ...]:
         return conditions(self.desk, {**self.desk.day.chance_changes(runs), **NOTHING_WRONG, **more})
 
@@ -258,7 +254,9 @@ class ChanceTab(Page):
     def layout_chance_fields(self) -> Viewable:
         """Return its part of the sidebar."""
         self.more_progress = Progress(self, f"Run {words.number(FULL_RUNS, 0)}", "Stop", self.draw_all, "drawing")
-        self.search = Progress(self, "Find the robust plan", "Cancel", self.search_robust, "searching")
+        self.search = Progress(
+            self, "Find the robust plan", "Cancel", lambda _: self.param.trigger("find_robust"), "searching"
+        )
         self.param.watch(self._show_progress, ["chance", "drawing", "robust", "searching"])
         self._show_progress()
         return parts.stack(
@@ -338,9 +336,11 @@ def finding(chance: StudyTable, accepted_s: float, robust: RobustAnswer | None) 
     most = float(np.quantile(more, 0.95))
     needs = f"; 19 of 20 need at most {words.share(most)} % more energy than a plan for their load" if most >= 0 else ""
     drawn = f"The plan is on time{late} in {share} % of {words.number(chance.done, 0)} random runs{needs}."
-    if robust is not None and robust.found.chosen is not None and robust.found.checked is not None:
-        return parts.finding(drawn, *robust_notes(robust.found)[:1])
-    return parts.finding(drawn, "\u201cFind the robust plan\u201d searches one that is on time more often.")
+    if robust is None or robust.found.checked is None:
+        return parts.finding(drawn, "\u201cFind the robust plan\u201d searches one that is on time more often.")
+    share = words.share(robust.found.checked[1].share_on_time)
+    extra = words.energy_difference(robust.found.extra_kwh[0])
+    return parts.finding(drawn, f"The robust plan is on time in {share} % of others, for {extra} kWh.")
 
 
 def chance_figures(chance: StudyTable, accepted_s: float) -> list[str]:

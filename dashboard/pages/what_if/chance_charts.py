@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import partial
 from operator import methodcaller
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from railjoule.dashboard.charts.chart import Layer, no_grid
 from railjoule.dashboard.charts.names import rows_of, text_width_px
 from railjoule.dashboard.charts.plot import CurveChart, Plot
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.pages.what_if.heat_map import MEASURES
+from railjoule.dashboard.pages.what_if.heat_map import MEASURES, Measure
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.work.run_table import Column, RunTable
 
@@ -88,14 +87,14 @@ def histogram(name: str, caption: str, quantity: str, show: Callable[[float], st
 def chance_table(table: StudyTable) -> str:
     """Return quantiles and ends of all results of the runs so far, and how many runs there are."""
     rows = []
-    for key, (title, values_of, show) in RESULTS.items():
-        reached = finite(values_of(table))
+    for key, measure in RESULTS.items():
+        reached = finite(measure.values(table))
         if len(reached):
             places = (reached.min(), *np.quantile(reached, list(QUANTILES)), reached.max())
-            cells = [show(float(place)) for place in places]
+            cells = [measure.show(float(place)) for place in places]
             if key == "delay_s":
                 cells[0], cells[-1] = f"earliest {cells[0]}", f"latest {cells[-1]}"
-            rows.append(((title, *cells), False))
+            rows.append(((measure.words, *cells), False))
     seed, stuck = table.scenario.montecarlo.seed, int(np.isnan(table.energy_kwh).sum())
     text = f"{words.number(table.done, 0)} of {words.number(table.scenario.montecarlo.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
@@ -150,11 +149,9 @@ SCATTER = Plot(
 
 # ---- the draws as a table of runs
 
-Values = Callable[[StudyTable], FloatArray]
 
-
-def _drawn(name: str, title: str, show: Callable[[float], str], scale: float = 1.0) -> tuple[str, Values, Any]:
-    return title, lambda table: scale * table[name], show
+def _drawn(name: str, title: str, show: Callable[[float], str], scale: float = 1.0) -> Measure:
+    return Measure(title, lambda table: scale * table[name], show)
 
 
 INPUTS = {
@@ -166,22 +163,19 @@ INPUTS = {
     "speed": _drawn("speed_error", "Speed error, %", partial(words.signed, digits=2), 100),
     **{name: _drawn(f"{name}_error_m", f"{name.upper()}'s place, m", words.stop_error) for name in ("d1", "d2", "d3")},
 }
-"""Quantity and unit, the values in that unit, and how a number of them is written."""
-RESULTS: dict[str, tuple[str, Values, Any]] = {
-    "energy": ("Energy, kWh", lambda table: table.energy_kwh, words.energy),
-    **{name: (measure.words, measure.values, measure.show) for name, measure in MEASURES.items()},
-}
+RESULTS = {"energy": Measure("Energy, kWh", lambda table: table.energy_kwh, words.energy), **MEASURES}
+"""Inputs and results of the random runs."""
 
 
 def draws_table(table: StudyTable) -> RunTable | None:
     """Return the draws that reached the end, with the quantities in which they differ; None where none varies."""
     reached = np.flatnonzero(np.isfinite(table.energy_kwh))
     columns, values = {}, {}
-    for name, (title, values_of, show) in {**INPUTS, **RESULTS}.items():
-        found = values_of(table)[reached]
+    for name, measure in {**INPUTS, **RESULTS}.items():
+        found = measure.values(table)[reached]
         if len(np.unique(found)) > 1 and np.all(np.isfinite(found)):
             ends = (float(found.min()), float(found.max())) if name in INPUTS else None
-            columns[name], values[name] = Column(title, show, ends), found
+            columns[name], values[name] = Column(measure.words, measure.show, ends), found
     if not values.keys() & INPUTS.keys() or "energy" not in values:
         return None
     title = f"{words.number(table.done, 0)} random draws of What if"

@@ -20,6 +20,7 @@ from railjoule.dashboard.pages.what_if.live_view import BODY_CSS, LivePart, ride
 from railjoule.dashboard.pages.what_if.load import (
     EVENTS,
     FOLLOWING,
+    LAYOUT_CSS,
     LOAD_AND_POSITION,
     conditions,
     is_slow_plan,
@@ -38,10 +39,6 @@ FIELDS = {
     "recuperation": {"share_percent": "recuperated, %"},
 }
 """The fields of each kind of event, with their labels."""
-LOWER_CSS = """
-:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px; align-items: start; }
-@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); } }
-"""
 WHO = (
     "Driver: holds the speed or coasts on, brakes for the event, then drives the optimal remainder. Replanned: the "
     "whole remainder is computed again when the event is noticed. With advance notice: the whole run is planned for it."
@@ -153,9 +150,9 @@ class EventsTab(Page):
             stylesheets=[parts.WRAP_CSS],
         )
         self.reacting = parts.stack(self.reactions, self.remarks)
-        lower = parts.stack(self.reacting, plots["late_arrival"].host, css=LOWER_CSS)
-        body = parts.stack(plots["ride_speed"].host, plots["ride_energy"].host, lower, css=BODY_CSS)
-        self.before = parts.stack(self.invitation, self.arrivals, tools, body)
+        lower = parts.stack(self.reacting, plots["late_arrival"].host, css=LAYOUT_CSS)
+        body = parts.stack(plots["ride_speed"].host, plots["ride_energy"].host, css=BODY_CSS)
+        self.before = parts.stack(self.invitation, self.arrivals, tools, body, lower)
         self.playing = LivePart(self.live, self.host, self.keep_events)
         modes = {"Events before the start": False, "Events while the train drives": True}
         return parts.stack(buttons(self.live, "on", modes, margin=(8, 8, 4, 20)), self.before, self.playing.view)

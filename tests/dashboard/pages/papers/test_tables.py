@@ -91,7 +91,7 @@ def test_signs_of_papers_are_typeset(text: str, html: str) -> None:
 
 
 def test_symbols_of_figures_have_subscripts_where_there_are_such_letters() -> None:
-    assert typeset_plain("T_m = 300 s, L_pb, W_sh") == "T\u2098 = 300 s, L_pb, W\u209b\u2095"
+    assert typeset_plain("T_m = 300 s, L_pb, W_sh, m/s2") == "T\u2098 = 300 s, L_pb, W\u209b\u2095, m/s\u00b2"
 
 
 def test_reasons_that_differ_in_a_number_are_one_and_close_numbers_have_none() -> None:

@@ -56,7 +56,7 @@ def test_a_robust_plan_is_found_on_request_and_goes_with_its_settings(
     view = PageHost(model.desk.pages["What if"], Browser(started=True, charts_in_sight=names), Palette(dark=False))
     model.param.update(probability_percent=80.0, candidates=4)
     assert model.robust is None
-    model.search_robust()
+    model.param.trigger("find_robust")
     found = model.robust.found
     assert not model.searching
     assert len(found.candidates) == 5
@@ -72,7 +72,7 @@ def test_a_robust_plan_is_found_on_request_and_goes_with_its_settings(
     assert model.robust.found is found
     model.probability_percent = 99.0
     assert model.robust is None
-    model.search_robust()
+    model.param.trigger("find_robust")
     assert model.robust.refusal.startswith("probability = 0.99 is reached by none of 5 plans")
     assert model.failure is None
     assert "is reached by none of 5 plans" in model.robust_words.object
