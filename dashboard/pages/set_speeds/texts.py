@@ -118,22 +118,22 @@ def _count(run: LimitRun) -> str:
 
 def finding(run: LimitRun, counts: Mapping[int, Trajectory]) -> Markup:
     """Return the cost of the set speeds, that of the best of some numbers of sections, and how to change them."""
-    needs = f"With {_count(run)} the train needs {words.energy(run.run.energy_kwh)} kWh"
-    best = ""
+    needs, best = f"With {_count(run)} the train needs {words.energy(run.run.energy_kwh)} kWh", ""
+    if run.run.reference is not None:
+        needs += f"{_more(run.run)} in the same time, {words.energy(run.run.reference.energy_kwh)} kWh"
     if counts:
-        count, least = min(counts.items(), key=lambda one: one[1].energy_kwh)
-        best = f"Of {min(counts)} to {max(counts)} equal sections, {count} need the least: {_costs(least)}."
-    return parts.finding(f"{needs}, {_costs(run.run)}." if run.run.reference else f"{needs}.", best, DRAG)
+        count, found = min(counts.items(), key=lambda one: one[1].energy_kwh)
+        best = f"Of {min(counts)} to {max(counts)} equal sections, {count} need the least: "
+        best += f"{words.energy(found.energy_kwh)} kWh{_more(found)}."
+    return parts.finding(f"{needs}.", best, DRAG)
 
 
-def _costs(run: Trajectory) -> str:
-    """Return the energy of a run above the best known one in its time, in words."""
-    cost, reference = comparisons.above_reference(run), run.reference
-    if cost is None or reference is None:
-        return f"{words.energy(run.energy_kwh)} kWh"
-    noun, least = comparisons.reference_noun(reference.proven), words.energy(reference.energy_kwh)
-    more = f"{cost.size} {cost.unit} {'less' if cost.is_less else 'more'}"
-    return f"{more} than the {noun} in the same time, {least} kWh"
+def _more(run: Trajectory) -> str:
+    amount, reference = comparisons.above_reference(run), run.reference
+    if amount is None or reference is None:
+        return ""
+    noun = comparisons.reference_noun(reference.proven)
+    return f", {amount.size} {amount.unit} {'less' if amount.is_less else 'more'} than the {noun}"
 
 
 def counts_table(counts: Mapping[int, Trajectory], shown: int) -> Markup:
@@ -151,7 +151,8 @@ def counts_table(counts: Mapping[int, Trajectory], shown: int) -> Markup:
         )
         for count, run in counts.items()
     ]
-    head = ("Sections", "kWh", "vs optimum in its time, %", "s", "km/h")
+    is_proven = all(run.reference is not None and run.reference.proven for run in counts.values())
+    head = ("Sections", "kWh", f"vs {comparisons.reference_name(is_proven)} in its time, %", "s", "km/h")
     return parts.inset(parts.table("Equal sections, set speeds found by search", head, rows))
 
 
