@@ -10,11 +10,10 @@ import param
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser, unfrozen
 from railjoule.dashboard.charts.axis import Axis
-from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.chart import COMPUTING, Chart, numbers_sketch
 from railjoule.dashboard.charts.download import SavedNumbers
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.charts.plot import AnyPlot
-from railjoule.dashboard.charts.sketches import COMPUTING, numbers_sketch
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette

@@ -1,7 +1,8 @@
 """The base of all charts: a place with a sketch until they are drawn, sources, glyphs, names."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
+from urllib.parse import quote
 
 import panel as pn
 from bokeh.models import (
@@ -22,10 +23,35 @@ from railjoule.dashboard.charts.dress import (
     text_style,
 )
 from railjoule.dashboard.charts.names import COLUMNS, Box, Frame, Name, placed_names
-from railjoule.dashboard.charts.sketches import COMPUTING, SketchKind, not_drawn, sketch_css
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.parts import html as parts
 
+SketchKind = Literal["lines", "bars", "map", "strip"]
+COMPUTING = "Computing"
+NOT_DRAWN = "This figure could not be drawn because of a program error; the server\u2019s log describes it."
+SHAPES: Mapping[SketchKind, Markup] = {
+    "lines": Markup('<path d="M0 98C4 40 8 16 18 16H78C90 16 96 46 100 98"/><path d="M0 99H100"/>'),
+    "bars": Markup(
+        '<path d="M1 52h8v48H1zM11 22h8v78h-8zM21 36h8v64h-8zM31 10h8v90h-8zM41 60h8v40h-8zM51 30h8v70h-8z'
+        'M61 42h8v58h-8zM71 16h8v84h-8zM81 54h8v46h-8zM91 34h8v66h-8z"/>'
+    ),
+    "map": Markup(
+        '<path fill-opacity=".45" d="M0 1h24v98H0z"/><path fill-opacity=".7" d="M25 1h24v48H25zM75 51h25v48H75z"/>'
+        '<path d="M50 1h24v48H50zM25 51h24v48H25z"/><path fill-opacity=".55" d="M75 1h25v48H75zM50 51h24v48H50z"/>'
+    ),
+    "strip": Markup('<path d="M0 8h9v84H0zM10 8h46v84H10zM57 8h17v84H57zM75 8h25v84H75z"/>'),
+}
+"""Shapes of sketches in a square of 100 by 100, stretched to its place."""
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100" preserveAspectRatio="none"{}>{}</svg>'
+SKETCH_CSS = """
+:host(.rj-undrawn) { position: relative; }
+:host(.rj-undrawn)::before { content: %(caption)s; padding-left: 50px; white-space: pre;
+  font: 500 12px/1.6 var(--rj-font); color: var(--rj-ink2); }
+:host(.rj-computing)::before { content: %(message)s / %(name)s; }
+:host(.rj-undrawn)::after { content: ""; position: absolute; inset: %(top)spx 14px 10px 50px;
+  background: var(--rj-%(colour)s); mask: url("data:image/svg+xml,%(drawn)s") 0 0 / 100%% 100%%; }
+"""
 CAPTION_PX = 21
 # assets/scripts/browser.js does not watch places of this class, which have nothing yet
 UNDRAWN, COMPUTED = "rj-undrawn", "rj-computing"
@@ -290,3 +316,49 @@ def no_grid(chart: Chart) -> None:
     """Take the grid off a chart."""
     assert chart.figure is not None
     chart.figure.ygrid.visible = False
+
+
+# ---- sketches: grey shapes where a chart will be until it is drawn
+
+
+def sketch_css(kind: SketchKind, caption: str, name: str) -> str:
+    """Return the style sheet that draws the sketch of a chart in its place, below its caption.
+
+    Parameters
+    ----------
+    kind : str
+        Its future shape.
+    caption : str
+        Empty where the chart has none.
+    name : str
+        The chart for screen readers.
+    """
+    style = ' fill="none" stroke="#000" stroke-width="2"' if kind == "lines" else ""
+    drawn = quote(SVG.format(style, SHAPES[kind].replace("<path", '<path vector-effect="non-scaling-stroke"')))
+    message = f"{caption}\\A {COMPUTING}" if kind != "strip" else caption
+    return SKETCH_CSS % {
+        "caption": _quoted(caption),
+        "message": _quoted(message).replace("\\\\A", "\\A"),
+        "name": _quoted(f"Being computed: {name}"),
+        "drawn": drawn,
+        "colour": "line2" if kind == "lines" else "ground",
+        "top": 24 if caption else 4,
+    }
+
+
+def _quoted(text: str) -> str:
+    """Return a string of CSS."""
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
+
+
+def numbers_sketch(count: int = 5) -> Markup:
+    """Return the sketch of a row of numbers, as high as the row."""
+    lines = joined(markup('<div class="{}"><i></i></div>', line) for line in ("label", "value", "detail"))
+    cells = markup('<div class="figure">{}</div>', lines) * count
+    return markup('<div class="figures sketched" role="img" aria-label="Being computed: numbers">{}</div>', cells)
+
+
+def not_drawn(words: str, height: int) -> Markup:
+    """Return the placeholder of a chart that could not be drawn."""
+    failed = '{}<div class="failed" role="alert" style="min-height:{}px"><p>{}</p></div>'
+    return markup(failed, markup('<div class="caption">{}</div>', words) if words else "", height, NOT_DRAWN)

@@ -42,7 +42,7 @@ class LevelMap(LoneChart):
             color_mapper=LinearColorMapper(low=0),
             ticker=FixedTicker(),
             width=SCALE_PX,
-            padding=0,
+            padding=5,
             margin=6,
             background_fill_color=None,
             major_label_text_font=FONT,

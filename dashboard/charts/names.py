@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from numpy.lib.stride_tricks import sliding_window_view
 
 from railjoule.core.arrays import FloatArray
 
@@ -167,9 +167,8 @@ def _beside(label: Label, line: Polyline, height_px: float) -> FloatArray:
     """Return the boxes beside the end of a label's line, the nearest first; shape (boxes, 4)."""
     half, left = 0.5 * label.height_px, float(line[0][-1]) + END_GAP_PX
     middle = np.clip(float(line[1][-1]) + END_SHIFTS_PX, half, height_px - half)
-    boxes = np.empty((len(middle), 4))
-    boxes[:, 0], boxes[:, 1], boxes[:, 2], boxes[:, 3] = left, middle - half, left + label.width_px, middle + half
-    return boxes
+    ends = np.full((2, len(middle)), [[left], [left + label.width_px]])
+    return np.column_stack([ends[0], middle - half, ends[1], middle + half])
 
 
 def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, height_px: float) -> FloatArray:
@@ -178,10 +177,8 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     count = int(np.ceil(label.width_px / COLUMN_PX)) + 1
     if count > low.shape[1]:
         return np.zeros((0, 4))
-    # the filters stand in the middle of what they look at: what begins at column s is at s + count // 2
-    starts = slice(count // 2, count // 2 + low.shape[1] - count + 1)
-    lowest = minimum_filter1d(low, count, axis=1)[:, starts]
-    highest = maximum_filter1d(high, count, axis=1)[:, starts]
+    lows, highs = (sliding_window_view(ends, count, axis=1) for ends in (low, high))
+    lowest, highest = lows.min(axis=-1), highs.max(axis=-1)
     own_low, own_high = lowest[label.line], highest[label.line]
     away_px = GAP_PX + np.array(OFFSETS_PX)[:, None]
     bottom = np.concatenate([own_high + away_px, own_low - away_px - label.height_px])
@@ -190,19 +187,16 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     distances = np.maximum(lowest[others, None] - top, bottom - highest[others, None])
     # a single line is as far from others as counts
     distance = distances.min(axis=0, initial=CLEAR_PX)
-    whole = maximum_filter1d(low[label.line], count)[starts] < FAR_PX
+    whole = lows[label.line].max(axis=-1) < FAR_PX
     free = whole & (distance >= GAP_PX) & (bottom >= 0) & (top <= height_px)
     side, column = np.nonzero(free)
     left = np.clip(COLUMN_PX * (column + 0.5 * count) - 0.5 * label.width_px, 0.0, max(width_px - label.width_px, 0.0))
     aside = np.abs(left + 0.5 * label.width_px - label.preferred * width_px)
     away = np.array([*OFFSETS_PX, *OFFSETS_PX])[side] + (own_high - own_low)[column]
     cost = away - distance[side, column] + SIDEWAYS * aside
-    best = np.argsort(cost, kind="stable")
     lower = bottom[side, column]
-    boxes = np.empty((len(best), 4))
-    for edge, places in enumerate((left, lower, left + label.width_px, lower + label.height_px)):
-        boxes[:, edge] = places[best]
-    return boxes
+    boxes = np.column_stack([left, lower, left + label.width_px, lower + label.height_px])
+    return boxes[np.argsort(cost, kind="stable")]
 
 
 def _around(label: Label, x: float, y: float) -> FloatArray:

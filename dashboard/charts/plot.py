@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from railjoule.dashboard.charts.axis import Axis, nice_range, xy
-from railjoule.dashboard.charts.chart import Chart, Layer, zero_line
+from railjoule.dashboard.charts.chart import Chart, Layer, SketchKind, zero_line
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Heights, RunPlot, data_range
-from railjoule.dashboard.charts.sketches import SketchKind
 from railjoule.dashboard.look.paint import Palette
 
 SOLID: Mapping[str, Any] = {"line_width": 1.8}

@@ -10,7 +10,7 @@ from railjoule.core.scenario import Line
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.dress import dragged
 from railjoule.dashboard.charts.figures import DistanceChart
-from railjoule.dashboard.charts.steps import add_steps, draw_steps
+from railjoule.dashboard.charts.track import add_steps, draw_steps
 from railjoule.dashboard.look.paint import Palette
 
 # the bound of `gradient_permille` in core/scenario/line.py

@@ -33,7 +33,7 @@ from railjoule.dashboard.library_workarounds import document_json
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.pages.compare.pair_charts import FIRST, PAIR_PLOTS, SECOND
+from railjoule.dashboard.pages.compare.charts import FIRST, PAIR_PLOTS, SECOND
 from railjoule.dashboard.report.findings import Findings
 
 WIDTH_PX = 640

@@ -16,8 +16,7 @@ from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import BODY_CSS, Request, shows, study
 from railjoule.dashboard.pages.compare import table
-from railjoule.dashboard.pages.compare.charts import PLOTS, Contender, contenders, find_reference
-from railjoule.dashboard.pages.compare.pair_charts import PAIR_PLOTS
+from railjoule.dashboard.pages.compare.charts import PAIR_PLOTS, PLOTS, Contender, contenders, find_reference
 from railjoule.dashboard.pages.compare.pair_tab import PAIR_FIELDS, PAIR_TAB, STRATEGIES_TAB, PairTab
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, over_time_buttons

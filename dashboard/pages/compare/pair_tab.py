@@ -16,7 +16,7 @@ from railjoule.dashboard.charts.quantities import along
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.side_by_side import HEAD, lengths_differ, pair_names, pair_rows, scenarios_differ
 from railjoule.dashboard.page import Page, Request, shows, study
-from railjoule.dashboard.pages.compare.pair_charts import AXIS, FIRST, PAIR_PLOTS, SECOND, TOKENS
+from railjoule.dashboard.pages.compare.charts import AXIS, FIRST, PAIR_PLOTS, SECOND, TOKENS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import over_time_buttons
 from railjoule.dashboard.parts.number_field import NumberField

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from railjoule.dashboard.charts.sketches import shapes
+from railjoule.dashboard.charts.chart import SHAPES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -56,7 +56,7 @@ def status_html(progress: Progress, note: str) -> Markup:
 
 def intro_html(sentence: str, is_sketched: bool) -> Markup:
     """Return the sentence before the first study; a sketch of the figures until a preview is there."""
-    sketch = markup('<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">{}</svg>', shapes("bars"))
+    sketch = markup('<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">{}</svg>', SHAPES["bars"])
     return markup('<div class="study-intro"><p>{}</p>{}</div>', sentence, sketch if is_sketched else "")
 
 

@@ -11,6 +11,8 @@ from railjoule.dashboard.pages.motor.compute import RIVALS, limits_of
 from railjoule.dashboard.parts import html as parts
 
 SMALL_LENGTH_M = 0.1
+# as assets/css/parts.css leaves columns out on narrow screens
+FEWER_COLUMNS = Markup('<p class="note fewer-columns">A wider screen shows magnetising loss and peak voltage, too.</p>')
 FLUX_WORDS = {"constant": "constant rotor flux", "min_loss": "rotor flux of least loss"}
 LIMIT_WORDS = {"current": "The current limit", "voltage": "The voltage limit"}
 
@@ -80,8 +82,8 @@ def rivals_table(runs: Mapping[str, FieldOrientedRun]) -> Markup:
             (
                 name,
                 words.energy(one.actual.energy_kwh),
-                comparisons.above(one.actual.energy_kwh, run.actual.energy_kwh).cell,
                 words.energy(one.magnetising_loss_kwh),
+                comparisons.above(one.actual.energy_kwh, run.actual.energy_kwh).cell,
                 " ".join(length(one.max_tracking_error_m)),
                 words.number(one.max_current_a, 0),
                 words.number(one.max_phase_voltage_v, 0),
@@ -90,9 +92,10 @@ def rivals_table(runs: Mapping[str, FieldOrientedRun]) -> Markup:
         )
         for name, one in named.items()
     ]
-    head = ("Run", "kWh", "vs this run, %", "magnetising, kWh", "tracking error", "peak A", "peak V")
-    table = '<div class="wide-table wraps" tabindex="0" role="region" aria-label="Compared runs">{}</div>'
-    return markup('<div style="padding:0 20px 10px">{}</div>', markup(table, parts.table("Compared runs", head, rows)))
+    head = ("Run", "kWh", "magnetising, kWh", "vs this run, %", "tracking error", "peak A", "peak V")
+    table = '<div class="wide-table wraps" tabindex="0" role="region" aria-label="Compared runs">{}</div>{}'
+    body = markup(table, parts.table("Compared runs", head, rows), FEWER_COLUMNS)
+    return markup('<div style="padding:0 20px 10px">{}</div>', body)
 
 
 def held_words(run: FieldOrientedRun) -> Markup:

@@ -17,8 +17,7 @@ from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Line, RunLines, RunPlot
-from railjoule.dashboard.charts.steps import END_PX, STEPS, add_steps, draw_steps
-from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
+from railjoule.dashboard.charts.track import END_PX, STEPS, add_limits, add_steps, draw_limits, draw_steps, limits_of
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.set_speeds.compute import LimitRun, LimitTrip
 

@@ -1,6 +1,7 @@
 """Runs with set speeds, given or found by search, the optimum in their time, and the savings of a storage."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -142,6 +143,27 @@ def compute_inter_station_runs(run: LimitRun) -> InterStationRuns:
         refusals[other] = without_keys(str(refusal))
     task = prepare_task(scenario)
     return InterStationRuns(tuple(run_words(task, k) for k in range(len(stop_nodes(task)) - 1)), runs, refusals)
+
+
+def compute_counts(
+    scenario: Scenario, changes: Mapping[str, Any], borders_m: Sequence[Sequence[float]]
+) -> Iterator[tuple[tuple[Any, ...], Mapping[int, Trajectory]]]:
+    """Yield the arguments, and the runs found by search over more and more sections that are not refused.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    changes : mapping
+        The settings of the search by the keys of the file.
+    borders_m : sequence of sequence of float
+        The borders of the sections for each run [m].
+    """
+    runs: dict[int, Trajectory] = {}
+    for borders in borders_m:
+        cut = scenario.replace(**{**changes, "search.boundaries_m": list(borders)})
+        with suppress(TimetableError, SolverError, StrategyRefusedError):
+            runs[len(borders) + 1] = run_strategy(prepare_task(cut), "speed_limits")
+            yield (scenario, changes, borders_m), dict(runs)
 
 
 def run_figures(run: Trajectory) -> tuple[FloatArray, FloatArray]:

@@ -1,5 +1,6 @@
 """Set speeds: one for each section and their cost beside the optimum; in a second tab losses and storage."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, get_args
@@ -9,14 +10,14 @@ import panel as pn
 import param
 from panel.viewable import Viewable
 
-from railjoule.core import Scenario
+from railjoule.core import Scenario, Trajectory
 from railjoule.core.scenario.options import LITERAL_KEYS, SearchOptions
 from railjoule.core.strategies.speed_limits import MAX_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
-from railjoule.dashboard.page import BODY_CSS, Own, Page, Request, Section, shows, work
+from railjoule.dashboard.page import BODY_CSS, Own, Page, Request, Section, shows, study, work
 from railjoule.dashboard.pages.set_speeds import texts
 from railjoule.dashboard.pages.set_speeds.charts import MAP, OTHERS, SAVED, SPEED, TRACK, both
 from railjoule.dashboard.pages.set_speeds.compute import (
@@ -25,19 +26,20 @@ from railjoule.dashboard.pages.set_speeds.compute import (
     LimitTrip,
     MapRequest,
     StorageCurve,
+    compute_counts,
     compute_inter_station_runs,
     compute_limit_run,
     compute_limit_trip,
     compute_map,
     compute_storage,
 )
-from railjoule.dashboard.pages.set_speeds.fields import list_sections, storage_fields
 from railjoule.dashboard.pages.set_speeds.sections import (
     FIRST_SECTIONS,
     LONGEST_M,
     SectionModel,
     borders_on_drive,
     even_borders,
+    list_sections,
     make_sections,
     sections_in_file,
 )
@@ -56,6 +58,10 @@ SEARCH = ("regulator", "free_borders", "inter_station_runs", "time_window_percen
 SPEEDS, LOSSES = "speeds", "losses"
 TABS: Mapping[str, str] = {SPEEDS: "Set speeds", LOSSES: "Losses and storage"}
 """The tabs by their names in the address."""
+COUNTS = (1, 2, 3, 4, 6, 8)
+"""Numbers of sections that are compared on a line without stations."""
+REST_MS = 800
+"""They are compared once nothing has changed for this time."""
 STORAGE = ("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent")
 Settings = tuple[Scenario, Mapping[str, Any]]
 """A scenario, with sections and search by the keys of its file."""
@@ -113,6 +119,7 @@ class SetSpeeds(Page):
     path = result(LimitRun, "The last run with set speeds found by search.")
     trip = result(LimitTrip, "The trip while a step moves.")
     comparison = result(InterStationRuns, "The run found by search beside that of the other way to search.")
+    counts = result(tuple, "A request, and the runs found by search by the number of equal sections.")
     storage = result(StorageCurve, "Energy saved by storages.")
     motor_map = result((MotorMap, str), "Efficiency of the powertrain, or why there is none.")
     moving = param.Boolean(default=False, doc="Whether a step is being moved.")
@@ -332,6 +339,15 @@ class SetSpeeds(Page):
     def _comparison(self) -> Request:
         return (compute_inter_station_runs, self.path) if self.path is not None and self.has_stations else None
 
+    @study("scenario", *SEARCH, into="counts", rest_ms=REST_MS, tab=SPEEDS)
+    def _counts(self) -> Request:
+        low, high = self.param.section_count.bounds
+        if self.has_stations:
+            return None
+        borders = [even_borders(self._stops_m, count) for count in COUNTS if low <= count <= high]
+        changes = {**self.changes, "search.limits_kmh": None, "search.free_boundaries": self.free_borders}
+        return compute_counts, self.desk.scenario.scenario(), {**changes, "search.boundaries_m": None}, borders
+
     @work("run", *STORAGE, into="storage", tab=LOSSES)
     def _storage(self) -> Request:
         if self.run is None:
@@ -358,7 +374,7 @@ class SetSpeeds(Page):
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.finding, self.notes, self.runs = (parts.html_pane() for _ in range(3))
+        self.finding, self.notes, self.runs, self.by_count = (parts.html_pane() for _ in range(4))
         self.tabs = PageTabs(self, TABS, {SPEEDS: self._layout_speeds, LOSSES: self._layout_losses})
         return parts.stack(self.finding, self.host.figures, self.tabs.view, parts.stack(self.notes, css=NOTES_CSS))
 
@@ -382,14 +398,14 @@ class SetSpeeds(Page):
             sizing_mode="stretch_width",
         )
         body = parts.stack(*(self.host.plots[plot.name].host for plot in (SPEED, TRACK, *OTHERS)), css=BODY_CSS)
-        return parts.stack(tools, body, parts.stack(self.runs, css=NOTES_CSS))
+        return parts.stack(tools, body, parts.stack(self.by_count, self.runs, css=NOTES_CSS))
 
     def _layout_losses(self) -> Viewable:
         self.storage_text, self.no_map, self.losses = (parts.html_pane() for _ in range(3))
         maps, hosts = {"Powertrain": "drive", "Motor": "motor"}, self.host.plots
         self.whose = buttons(self, "shown_map", maps, margin=(6, 0, 0, 46), visible=False)
-        fields = storage_fields(self), *number_fields(self, "charging_percent", "discharging_percent")
-        storage = parts.stack(self.storage_text, hosts[SAVED.name].host, *fields, css=GAP_CSS)
+        self.storage_fields = number_fields(self, *STORAGE)
+        storage = parts.stack(self.storage_text, hosts[SAVED.name].host, *self.storage_fields, css=GAP_CSS)
         losses = parts.stack(self.no_map, hosts[MAP.name].host, self.whose, self.losses, css=GAP_CSS)
         return parts.stack(losses, storage, css=LOWER_CSS)
 
@@ -406,9 +422,24 @@ class SetSpeeds(Page):
         if run is None:
             return
         host.heading.object = texts.heading(run)
-        self.finding.object = texts.finding(run)
         host.figures.object = parts.figures(texts.run_cells(run, self.window_s), self.failure is not None)
         self.notes.object = texts.notes(run)
+
+    @property
+    def shown_counts(self) -> Mapping[int, Trajectory]:
+        """The runs by the number of sections, where they are those of the present settings."""
+        request = self._counts() if self.counts else None
+        return self.counts[1] if request and self.counts[0] == request[1:] else {}
+
+    @shows("run", "counts")
+    def _show_finding(self) -> None:
+        if self.run is not None:
+            self.finding.object = texts.finding(self.run, self.shown_counts)
+
+    @shows("run", "counts", tab=SPEEDS)
+    def _show_counts(self) -> None:
+        counts = self.shown_counts
+        self.by_count.object = texts.counts_table(counts, len(self.sections)) if counts else ""
 
     @shows("run", tab=SPEEDS)
     def _show_run(self) -> None:
@@ -480,3 +511,7 @@ class SetSpeeds(Page):
         }
         self.host.draw([SAVED], curves, {"needed": storage.need.max_drop_kwh})
         self.storage_text.object = texts.storage_words(storage)
+        # the storage needed is suggested until one is named; whole kilowatts upwards, as less would not do
+        size, power, *_ = self.storage_fields
+        size.suggest(chosen.storage.size_kwh)
+        power.suggest(math.ceil(chosen.storage.power_kw))

@@ -1,13 +1,18 @@
-"""Sections of a line with a set speed each."""
+"""Sections of a line with a set speed each, and their fields."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import panel as pn
+from panel.viewable import Viewable
 
 from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.strategies.set_speed_run import MIN_LIMIT_KMH
 from railjoule.core.strategies.speed_limits import MAX_SECTIONS
+from railjoule.dashboard.parts.html import stack
+from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 
 LONGEST_M = 1e7
@@ -77,3 +82,20 @@ def even_borders(stops_m: Sequence[float], count: int) -> list[float]:
         inside = [start + run * number / pieces for number in range(1, pieces)]
         borders += [start, *(float(round(border)) if run > 10 * pieces else border for border in inside)]
     return borders[1:]
+
+
+def list_sections(page: Any) -> Viewable:
+    """Make the fields of the sections, which follow their number."""
+
+    def row(number: int, section: SectionModel) -> pn.Column:
+        fields = ["limit_kmh"] if number == len(page.sections) else ["limit_kmh", "to_m"]
+        labels = {field: f"{number}: {section.param[field].label}" for field in fields}
+        return stack(*(NumberField(section, field, label=label, of="Section ") for field, label in labels.items()))
+
+    def show(*_: Any) -> None:
+        listed[:] = [row(number, section) for number, section in enumerate(page.sections, 1)]
+
+    listed = stack()
+    page.param.watch(show, "sections")
+    show()
+    return listed

@@ -1,7 +1,7 @@
 """Numbers, sentences and tables of a run with set speeds."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -31,7 +31,7 @@ RULES = {
 }
 """The rule of each regulator; `zone` is half of the dead zone of the published relay."""
 TARGETS = "Set speeds are targets, speed limits are kept anyway. The travel time may differ from the timetable by {} %."
-DRAG = "Drag a set speed or the end of its section; more sections come closer to the optimum."
+DRAG = "Drag a set speed or the end of its section."
 
 
 def run_cells(run: LimitRun, window_s: tuple[float, float]) -> list[str]:
@@ -116,16 +116,44 @@ def _count(run: LimitRun) -> str:
     return f"{count} set speed{'' if count == 1 else 's'}"
 
 
-def finding(run: LimitRun) -> Markup:
-    """Return the cost of the set speeds, and how to change them."""
-    cost, reference = comparisons.above_reference(run.run), run.run.reference
-    needs = f"With {_count(run)} the train needs {words.energy(run.run.energy_kwh)} kWh"
-    if cost is None or reference is None:
-        return parts.finding(f"{needs}.", DRAG)
-    more = f"{cost.size} {cost.unit} {'less' if cost.is_less else 'more'}"
+def finding(run: LimitRun, counts: Mapping[int, Trajectory]) -> Markup:
+    """Return the cost of the set speeds, that of the best of some numbers of sections, and how to change them."""
+    needs, best = f"With {_count(run)} the train needs {words.energy(run.run.energy_kwh)} kWh", ""
+    if run.run.reference is not None:
+        needs += f"{_more(run.run)} in the same time, {words.energy(run.run.reference.energy_kwh)} kWh"
+    if counts:
+        count, found = min(counts.items(), key=lambda one: one[1].energy_kwh)
+        best = f"Of {min(counts)} to {max(counts)} equal sections, {count} need the least: "
+        best += f"{words.energy(found.energy_kwh)} kWh{_more(found)}."
+    return parts.finding(f"{needs}.", best, DRAG)
+
+
+def _more(run: Trajectory) -> str:
+    amount, reference = comparisons.above_reference(run), run.reference
+    if amount is None or reference is None:
+        return ""
     noun = comparisons.reference_noun(reference.proven)
-    than = f"{more} than the {noun} in the same time, {words.energy(reference.energy_kwh)} kWh."
-    return parts.finding(f"{needs}, {than}", DRAG)
+    return f", {amount.size} {amount.unit} {'less' if amount.is_less else 'more'} than the {noun}"
+
+
+def counts_table(counts: Mapping[int, Trajectory], shown: int) -> Markup:
+    """Return the runs found by search by the number of equal sections; that of the page is the chosen row."""
+    rows = [
+        (
+            (
+                str(count),
+                words.energy(run.energy_kwh),
+                comparisons.cell(comparisons.above_reference(run)),
+                words.time(run.travel_time_s),
+                words.number(run.max_speed_kmh),
+            ),
+            count == shown,
+        )
+        for count, run in counts.items()
+    ]
+    is_proven = all(run.reference is not None and run.reference.proven for run in counts.values())
+    head = ("Sections", "kWh", f"vs {comparisons.reference_name(is_proven)} in its time, %", "s", "km/h")
+    return parts.inset(parts.table("Equal sections, set speeds found by search", head, rows))
 
 
 def rule(scenario: Scenario) -> str:

@@ -16,11 +16,10 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import Page, Request, shows, work
 from railjoule.dashboard.pages.trade_off import texts
-from railjoule.dashboard.pages.trade_off.charts import TIME_TITLE, ContourChart, FrontierChart, time_ends
+from railjoule.dashboard.pages.trade_off.charts import TIME_TITLE, ContourChart, FrontierChart, SurfacePane, time_ends
 from railjoule.dashboard.pages.trade_off.compute import EnocPoint, TradeOff, compute_trade_off
-from railjoule.dashboard.pages.trade_off.surface import SurfacePane
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.choices import buttons
+from railjoule.dashboard.parts.choices import button, buttons
 from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.kept import result
 
@@ -93,7 +92,12 @@ class TradeOffPage(Page):
         self.table, self.times, self.refused, self.notes = (parts.html_pane() for _ in range(4))
         plots = self.host.plots
         plots["frontier"].on_time = lambda time_s: self.desk.scenario.param.update(travel_time_s=time_s)
-        self.invitation = parts.stack(self.refused, self._open_button(), visible=False)
+        open_one = button(
+            f"Open {load_scenario(ENOC_SCENARIO).title}",
+            lambda _: self.desk.scenario.choose(ENOC_SCENARIO),
+            margin=(8, 0, 12, 0),
+        )
+        self.invitation = parts.stack(self.refused, open_one, visible=False)
         self.map = pmui.Select(label="Range shown", options=MAPS, size="small", margin=(6, 12, 8, 0), width=220)
         self.map.param.watch(self._choose_map, "value")
         views = buttons(self, "map_view", {"Surface": "surface", "Contours": "contours"}, margin=(12, 0, 8, 0))
@@ -117,15 +121,6 @@ class TradeOffPage(Page):
         left = parts.stack(plots["frontier"].host, plots["share"].host)
         right = parts.stack(self.times, self.table, self.invitation, self.enoc)
         return parts.stack(self.host.figures, parts.stack(left, right, css=LAYOUT_CSS), self.notes)
-
-    def _open_button(self) -> pmui.Button:
-        return pmui.Button(
-            label=f"Open {load_scenario(ENOC_SCENARIO).title}",
-            variant="outlined",
-            size="small",
-            margin=(8, 0, 12, 0),
-            on_click=lambda _: self.desk.scenario.choose(ENOC_SCENARIO),
-        )
 
     def _choose_map(self, event: Any) -> None:
         wide, weight = event.new

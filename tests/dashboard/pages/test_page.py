@@ -5,8 +5,8 @@ import logging
 import pytest
 
 from railjoule.dashboard.app import Session
+from railjoule.dashboard.charts.chart import NOT_DRAWN
 from railjoule.dashboard.charts.run_charts import EffortChart
-from railjoule.dashboard.charts.sketches import NOT_DRAWN
 from railjoule.dashboard.page_host import NOT_SHOWN, PageHost
 from railjoule.dashboard.pages.drive.page import Drive
 from railjoule.dashboard.shell.shell import NOT_OPENED

@@ -11,7 +11,7 @@ RUNS = {}
 @pytest.fixture
 def state(monkeypatch):
     """A workbench whose page Set speeds is in sight; all work is done in the test's own turn."""
-    compute = page.compute_limit_run
+    compute, count = page.compute_limit_run, page.compute_counts
 
     def computed_once(*request):
         key = repr(request)
@@ -19,7 +19,14 @@ def state(monkeypatch):
             RUNS[key] = compute(*request)
         return RUNS[key]
 
+    def counted_once(*request):
+        key = repr(request)
+        if key not in RUNS:
+            RUNS[key] = list(count(*request))
+        return iter(RUNS[key])
+
     monkeypatch.setattr(page, "compute_limit_run", computed_once)
+    monkeypatch.setattr(page, "compute_counts", counted_once)
     state = Workbench()
     PageWorks(state.pages["Set speeds"])
     state.scenario.choose("kharkiv-like-40kmh")

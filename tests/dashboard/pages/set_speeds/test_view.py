@@ -135,6 +135,21 @@ def test_the_finding_is_the_distance_to_the_optimum_in_the_same_time(view: SetSp
     assert f"With 2 set speeds the train needs {energy(run.energy_kwh)} kWh, {more} than" in view.finding.object
 
 
+def test_numbers_of_sections_stand_beside_each_other(view: SetSpeeds) -> None:
+    counts = view.shown_counts
+    # the line has sections of its own, without borders the search would take those
+    assert list(counts) == [2, 3, 4, 6, 8]
+    # those of the page
+    assert counts[2].energy_kwh == pytest.approx(view.run.run.energy_kwh)
+    best = min(counts, key=lambda count: counts[count].energy_kwh)
+    assert f"Of 2 to 8 equal sections, {best} need the least: " in view.finding.object
+    for run in counts.values():
+        assert f">{energy(run.energy_kwh)}<" in view.by_count.object
+    # numbers of other settings do not stay
+    view.counts = ((), counts)
+    assert view.by_count.object == ""
+
+
 def test_one_press_uses_the_sections_of_the_other_pages(view: SetSpeeds) -> None:
     assert not view.as_on_drive.visible
     view.desk.scenario.choose("metro-with-limit")
