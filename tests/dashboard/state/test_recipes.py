@@ -181,8 +181,8 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
         yield from ()
 
     for name in (
-        "load.compute_table",
-        "load.compute_stops",
+        "load.steps",
+        "chance.steps",
         "events.compute_late_arrivals",
     ):
         monkeypatch.setattr(f"railjoule.dashboard.pages.what_if.{name}", nothing)
