@@ -105,7 +105,7 @@ def _begin_m(phase: Phase, before: Phase | None, data: RunData) -> float:
 
 
 def _place_when_faster_m(phase: Phase, speed_ms: float) -> float:
-    """Return the begin of a phase that slows down for a train faster than the run [m], so that it ends as the run does."""
+    """Return the begin of a phase that slows down for a train faster than the run, to end as the run does [m]."""
     lost2 = phase.start_ms**2 - phase.end_ms**2
     if speed_ms <= phase.start_ms or lost2 <= 0.0:
         return phase.start_m
