@@ -105,7 +105,7 @@ def _begin_m(phase: Phase, before: Phase | None, data: RunData) -> float:
 
 
 def _place_when_faster_m(phase: Phase, speed_ms: float) -> float:
-    """Return where a phase that slows down begins for a train that is faster than the run, to end as the run does."""
+    """Return the begin of a phase that slows down for a train faster than the run, to end as the run does [m]."""
     lost2 = phase.start_ms**2 - phase.end_ms**2
     if speed_ms <= phase.start_ms or lost2 <= 0.0:
         return phase.start_m
@@ -134,7 +134,7 @@ def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> In
         return Instruction(action, from_m)
     speed = _printed_kmh(phase.end_ms, _limit_kmh(data, phase.end_m - BESIDE_M, phase.end_m + BESIDE_M))
     if action == "full_power":
-        # uphill the train may get slower: the driver would take power back at once for a speed below his own
+        # uphill the train may get slower: the driver would take power back immediately for a speed below his own
         return Instruction(action, from_m, speed if phase.end_ms > phase.start_ms else None)
     if action != "brake":
         return Instruction(action, from_m, speed, end_m)
