@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
     from railjoule.dashboard.page_host import PageHost
     from railjoule.dashboard.page_work import PageWorks
+    from railjoule.dashboard.parts.tabs import PageTabs
     from railjoule.dashboard.workbench import Workbench
 
 BODY_CSS = padded("4px 20px 0 14px", "4px 10px 0 6px")
@@ -230,6 +231,8 @@ class Page(TypedParameters):
 
     failure = result(RailjouleError, "Why the last request failed.")
 
+    tabs: "PageTabs"
+    """Its tabs, where it has any."""
     host: "PageHost"
     """Its view, once it is drawn."""
 
@@ -263,7 +266,7 @@ class Page(TypedParameters):
 
     def is_shown(self, tab: str) -> bool:
         """Return whether the parts of a tab can be drawn: it is open, and they are made."""
-        return self.is_open(tab)
+        return self.is_open(tab) and (not tab or self.tabs.is_made(tab))
 
     def goes_on(self, into: str) -> bool:
         """Return whether a study was asked for by hand, and so continues out of sight."""

@@ -347,7 +347,6 @@ def sketch_css(kind: SketchKind, caption: str, name: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Return a string of CSS."""
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
 
 

@@ -49,6 +49,8 @@ POINT_CSS = Markup(
     "div.point-tip b { color: var(--rj-ink); font-weight: 600; }"
 )
 """Of the text under the mouse, which Bokeh draws within its own root."""
+LEFT_PX = 50
+"""Room of the numbers of the y axis."""
 RIGHT_BORDER_PX = 30
 """The toolbar stands in it, and below it half of the last number of an axis."""
 DARK_INK, WHITE = LIGHT["ink"], "#FFFFFF"
@@ -214,7 +216,7 @@ def empty_figure(
         # many figures share one WebGL surface, which a page does not need for so few marks
         output_backend="canvas",
         outline_line_color=None,
-        min_border_left=50,
+        min_border_left=LEFT_PX,
         min_border_right=RIGHT_BORDER_PX,
         min_border_top=2,
         min_border_bottom=24,

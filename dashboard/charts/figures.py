@@ -20,7 +20,7 @@ from bokeh.plotting import figure
 from railjoule.core.energy import SMALL_ENERGY_KWH
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.chart import Chart
-from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX, add_tools, dress, empty_figure
+from railjoule.dashboard.charts.dress import LEFT_PX, RIGHT_BORDER_PX, add_tools, dress, empty_figure
 from railjoule.dashboard.charts.names import Frame
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
@@ -30,9 +30,9 @@ from railjoule.dashboard.parts import html as parts
 class DistanceChart(Chart):
     """A chart over the page's shared axis."""
 
-    def __init__(self, name: str, caption: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
+    def __init__(self, name: str, caption: str, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(name, caption, height)
-        self.axis, self.palette, self.left = axis, palette, left
+        self.axis, self.palette = axis, palette
         self.y_range = Range1d(0, 1)
         self.press: Callable[[float], None] = lambda _: None
         """Called with the place of a press [m]."""
@@ -47,7 +47,7 @@ class DistanceChart(Chart):
             tools="",
             outline_line_color=None,
             # the same for all charts of an axis, however long their numbers are: places stand above each other
-            min_border_left=self.left,
+            min_border_left=LEFT_PX,
             min_border_right=RIGHT_BORDER_PX,
             min_border_top=2,
             min_border_bottom=7,
@@ -78,7 +78,7 @@ class DistanceChart(Chart):
             css_classes=["rj-caption"],
         )
         caption.styles = {
-            "padding": f"4px 0 0 {self.left}px",
+            "padding": f"4px 0 0 {LEFT_PX}px",
             "font-size": "12px",
             "color": "var(--rj-ink2)",
             "font-family": "var(--rj-font)",
@@ -144,8 +144,9 @@ class DistanceChart(Chart):
 
 def captioned(text: str, f: figure) -> pn.Column:
     """Return a figure under its caption."""
-    # 50 px, as `empty_figure` keeps left of the frame
-    caption = parts.markup('<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>', text)
+    caption = parts.markup(
+        '<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 {}px">{}</div>', LEFT_PX, text
+    )
     return parts.stack(
         parts.html_pane(caption, css_classes=["rj-caption"]), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
     )

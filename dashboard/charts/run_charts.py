@@ -164,7 +164,6 @@ class LineStrip(SceneChart):
         )
 
     def _draw_curves(self, left: FloatArray, right: FloatArray, bottom: float, relief: float) -> None:
-        """Draw a hatched band over each curve."""
         low, high = (np.full(len(left), bottom + share * relief) for share in CURVES)
         self.put("curves", **columns(left=left, right=right, bottom=low, top=high))
 

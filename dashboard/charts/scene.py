@@ -123,8 +123,6 @@ BORDERS: Layer = methodcaller("hairlines", "borders", "line2", line_alpha=0.55, 
 class SceneChart(DistanceChart):
     """A chart of Drive."""
 
-    fits = False
-    """Whether its axis follows its lines, so that a report must fit it again where they move."""
     called = "", ""
     """Its name and its caption."""
 

@@ -166,7 +166,6 @@ class SpeedChart(RunChart):
         self.place_names({**lines, "limit": self._limits}, names, taken)
 
     def _sign_boxes(self, frame: Frame, source: str, lift_px: float) -> list[Box]:
-        """Return the boxes of the signs that are written from a source."""
         signs = self.sources[source].data
         return [
             frame.box(x, y, text, SIGN_PX, lift_px=lift_px)

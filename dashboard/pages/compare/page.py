@@ -51,7 +51,11 @@ class PinRow:
             sizing_mode="stretch_width",
         )
         self.remove = pmui.Button(
-            label=f"Unpin run {number}", variant="text", size="small", margin=(12, 0, 0, 0), on_click=self._remove
+            label=f"Unpin run {number}",
+            variant="text",
+            size="small",
+            margin=(12, 0, 0, 0),
+            on_click=self._remove,
         )
         line = {"width": 44, "height": 20, "sizing_mode": "fixed", "margin": (18, 0, 0, 0)}
         self.view = pn.Row(
@@ -140,10 +144,6 @@ class Compare(PairTab):
         self.tabs = PageTabs(self, TABS, {STRATEGIES_TAB: self.layout_strategies, PAIR_TAB: self.layout_pair})
         return self.tabs.view
 
-    def is_shown(self, tab: str) -> bool:
-        """Return whether the parts of a tab can be drawn."""
-        return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
-
     def layout_strategies(self) -> Viewable:
         """Return the parts of the tab of the strategies, laid out."""
         self.table, self.pins, self.differences = (parts.html_pane() for _ in range(3))
@@ -214,7 +214,6 @@ class Compare(PairTab):
         self.host.draw(PLOTS, among, reference, over_time, narrow)
 
     def _offer(self, among: tuple[Contender, ...], reference: Contender) -> None:
-        """Offer every run as the reference."""
         options = {one.name: one.key for one in among}
         if (self.menu.options, self.menu.value) != (options, reference.key):
             self._quiet = True

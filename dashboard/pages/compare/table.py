@@ -110,7 +110,6 @@ def arrival_table(among: Sequence[Contender]) -> parts.Markup:
 
 
 def _has_any(losses: Sequence[Mapping[str, float]], kind: str) -> bool:
-    """Return whether any run has a loss that its table would show."""
     return any(abs(each.get(kind, 0.0)) >= words.LEAST_ENERGY_KWH * J_PER_KWH for each in losses)
 
 

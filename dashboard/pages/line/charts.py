@@ -1,6 +1,7 @@
 """The charts of Line over the distance: speed, train path, time supplement and energy of each leg."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from operator import methodcaller
 from typing import Any
 
@@ -193,7 +194,7 @@ class SlackChart(LegBars):
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         caption = "Supplement of each leg, s; drag a station"
-        super().__init__("supplements", caption, height, axis, palette, supplement_s, words.time)
+        super().__init__("supplements", caption, height, axis, palette, lambda leg: leg.supplement_s, words.time)
 
     def build(self) -> None:
         """Make the figure, and let the browser drag its stations."""
@@ -285,11 +286,6 @@ def bar_columns(
     return left, left + (1 - GAP_SHARE) * share * length, height
 
 
-def supplement_s(leg: Leg) -> float:
-    """Time supplement of a leg [s]."""
-    return leg.supplement_s
-
-
 def fitting(stops: Sequence[tuple[float, str]], m_per_px: float) -> list[tuple[float, str, str]]:
     """Return places, names and alignment of the stations whose names have room, the ends first.
 
@@ -332,27 +328,21 @@ PATH = RunPlot("line_path", quantities.PATH, LINES, (180, 230, 170), ticks=5, be
 SUPPLEMENTS = AxisPlot("supplements", SlackChart, (140, 170, 140))
 PRICE = AxisPlot(
     "leg_price",
-    lambda height, axis, palette: LegBars(
-        "leg_price",
-        "An extra second on each leg saves, Wh/s",
-        height,
-        axis,
-        palette,
-        lambda leg: leg.price_of_time_w / J_PER_WH,
-        lambda wh_per_s: words.price(wh_per_s * J_PER_WH),
+    partial(
+        LegBars,
+        *("leg_price", "An extra second on each leg saves, Wh/s"),
+        value=lambda leg: leg.price_of_time_w / J_PER_WH,
+        show=lambda wh_per_s: words.price(wh_per_s * J_PER_WH),
     ),
     (110, 130, 100),
 )
 ENERGY = AxisPlot(
     "leg_energy",
-    lambda height, axis, palette: LegBars(
-        "leg_energy",
-        "Energy of each leg, kWh",
-        height,
-        axis,
-        palette,
-        lambda leg: leg.energy_j / J_PER_KWH,
-        words.energy,
+    partial(
+        LegBars,
+        *("leg_energy", "Energy of each leg, kWh"),
+        value=lambda leg: leg.energy_j / J_PER_KWH,
+        show=words.energy,
         last=True,
     ),
     (140, 160, 130),

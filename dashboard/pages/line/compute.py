@@ -94,7 +94,8 @@ def compute_line(scenario: Scenario, is_example: bool = False) -> LineRuns:
     runs = {sharing: shared_line(task, sharing) for sharing in ("optimum", *RULES)}
     missed = {rule: missed_windows(task, runs[rule].run) for rule in RULES}
     shown = LineRuns(scenario, runs, task.shortest_travel_time_s, missed, is_example=is_example)
-    return _with_given(shown, task) if has_given(scenario) else shown
+    is_given = any(station.arrival_s is not None for station in scenario.line.inner_stations)
+    return _with_given(shown, task) if is_given else shown
 
 
 def compute_given(scenario: Scenario, stations: Sequence[Mapping[str, Any]]) -> WholeLine | str:
@@ -103,11 +104,6 @@ def compute_given(scenario: Scenario, stations: Sequence[Mapping[str, Any]]) -> 
         return shared_line(prepare_task(scenario.replace(**{"line.stations": stations})), "given")
     except RailjouleError as refusal:
         return str(refusal)
-
-
-def has_given(scenario: Scenario) -> bool:
-    """Return whether a station between the ends has an arrival in a given timetable."""
-    return any(station.arrival_s is not None for station in scenario.line.inner_stations)
 
 
 def _with_given(runs: LineRuns, task: Task) -> LineRuns:

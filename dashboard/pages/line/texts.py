@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
+from railjoule.core.studies.whole_line import Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -130,7 +130,7 @@ def legs_table(runs: LineRuns, other: Sharing) -> Markup:
     for number, leg in enumerate(runs.best.legs):
         shown = [line.legs[number] for _, line in lines]
         cells = (
-            leg_words(leg),
+            f"{leg.departs_from} \u2013 {leg.arrives_at}",
             words.number(leg.end_m - leg.start_m, 0),
             words.number(leg.shortest_time_s),
             *(cell for one in shown for cell in leg_cells(one.arrival_s, one.supplement_s, one.energy_j)),
@@ -153,8 +153,3 @@ def leg_cells(arrival_s: float | None, supplement_s: float, energy_j: float) -> 
     """Return the cells of a leg, or of all legs, which have no arrival of their own."""
     arrival = "" if arrival_s is None else clock(arrival_s)
     return arrival, words.number(supplement_s), words.energy(energy_j / J_PER_KWH)
-
-
-def leg_words(leg: Leg) -> str:
-    """Return a leg by its stations."""
-    return f"{leg.departs_from} \u2013 {leg.arrives_at}"

@@ -219,7 +219,6 @@ class Motor(Page):
         )
 
     def _column(self, *content: AnyPlot | Viewable) -> Viewable:
-        """Return figures and other parts below each other."""
         hosts = (one if isinstance(one, Viewable) else self.host.plots[one.name].host for one in content)
         return parts.stack(*hosts, css=COLUMN_CSS)
 

@@ -364,10 +364,6 @@ class SetSpeeds(Page):
 
     # ---- what it shows
 
-    def is_shown(self, tab: str) -> bool:
-        """Return whether the parts of a tab can be drawn."""
-        return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
-
     def is_over_time(self, axis: str) -> bool:
         """Return that the figures are over positions."""
         return False

@@ -13,7 +13,6 @@ from railjoule.dashboard.pages.line.charts import (
     SlackChart,
     fitting,
     grip_columns,
-    supplement_s,
 )
 from railjoule.dashboard.pages.line.compute import LineRuns, compute_line
 from railjoule.dashboard.pages.line.texts import figure_cells, legs_table, missed_words, sharing_words
@@ -44,7 +43,7 @@ def given() -> LineRuns:
 
 def test_a_given_timetable_is_a_second_bar_and_goes_again(runs: LineRuns, given: LineRuns) -> None:
     palette = Palette(False)
-    bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)
+    bars = LegBars("supplements", "s", 120, Axis(palette), palette, lambda leg: leg.supplement_s, words.time)
     bars.show(lambda: bars.draw(given, "given", 900.0))
     for one, other in pairwise([bars.sources[sharing].data for sharing in ("optimum", "given")]):
         assert all(a < b for a, b in zip(one["right"], other["left"], strict=True))
