@@ -18,6 +18,7 @@ from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH
 from tests.any_scenarios import any_wide_document
 from tests.every_drive import DRIVES, train
+from tests.interpreted import interpreted
 from tests.random_scenarios import random_run
 
 PLACES = 40
@@ -51,7 +52,8 @@ def brute_force(mesh, place, speeds, shares):
 def test_the_least_hamiltonian_is_that_of_a_grid_from_below(drive):
     mesh = prepare_task(train(drive, 15.0)).mesh
     rows, rng = rows_at(tabulate_drive(mesh), NO_PLACE), np.random.default_rng(7)
-    bend, fastest = strip_bends(rows.speed_ms), rows.speed_ms[-1]
+    with interpreted():
+        bend, fastest = strip_bends(rows.speed_ms), rows.speed_ms[-1]
     speeds = np.union1d(np.geomspace(0.01, fastest, 150), np.linspace(0.1, fastest, 300))
     shares = np.linspace(0.0, 1.0, 121) ** 1.5
     for number in range(PLACES):
@@ -65,7 +67,8 @@ def test_the_least_hamiltonian_is_that_of_a_grid_from_below(drive):
             # a quarter of them in a neutral section, where friction brakes are all there is
             number % 4 > 0,
         )
-        found = min_hamiltonian(rows, bend, *place)
+        with interpreted():
+            found = min_hamiltonian(rows, bend, *place)
         least, size = brute_force(mesh, place, speeds, shares)
         assert found <= least + 1e-9 * size
         assert found >= least - 2e-3 * size

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from every_drive import DRIVES, FACTORS, FRICTIONS_KN, one_cell, train
+from interpreted import interpreted
 from random_scenarios import random_speeds
 
 from railjoule.core.drive.kernels import has_idle_losses, smooth_power_when_on
@@ -41,7 +42,8 @@ def by_the_solver(cell):
         data = data._replace(mode=actions_of_run(data, cell.speed2).mode)
     scale, work = data.traction.constant_n, allocate(1, 0)
     fast = np.full(2, data.limit_speed2.max())
-    prepare(data, scale, fast, 0.1, 10.0, work)
+    with interpreted():
+        prepare(data, scale, fast, 0.1, 10.0, work)
     work.nodes.speed2[:] = cell.speed2
     work.cells.traction[:] = account.tractive_effort_n / scale
     work.cells.braking[:] = account.electric_braking_n / scale
@@ -50,7 +52,8 @@ def by_the_solver(cell):
     )
     if work.used[DRAWN] == 0:
         work.cells.drawn[:] = 0.0
-    return evaluate(data, scale, 0.0, work)[0] * scale
+    with interpreted():
+        return evaluate(data, scale, 0.0, work)[0] * scale
 
 
 def largest_term(cell):
