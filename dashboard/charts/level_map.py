@@ -1,7 +1,8 @@
 """Values over two axes as bands of colour between levels, with a scale beside them: efficiencies of a motor."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from operator import methodcaller
+from typing import Any
 
 import numpy as np
 from bokeh.models import ColorBar, ContourRenderer, FixedTicker, HoverTool, LinearColorMapper
@@ -17,8 +18,9 @@ from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT
 
-EFFICIENCIES = (0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98)
-"""Levels of an efficiency map; those above the highest efficiency are left out."""
+EFFICIENCIES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98)
+"""Levels of an efficiency map, of which it has the MAX_LEVELS highest below its highest efficiency."""
+MAX_LEVELS = 9
 SCALE_PX = 8
 
 
@@ -100,7 +102,7 @@ class LevelMap(LoneChart):
 class MotorMapChart(LevelMap):
     """Efficiency over speed and torque of one motor, with the run's cells as points."""
 
-    look = {"ticks": 5, "x_title": "Speed, rad/s", "y_title": "Torque, N m"}  # noqa: RUF012
+    look: Mapping[str, Any] = {"ticks": 5, "x_title": "Speed, rad/s", "y_title": "Torque, N m"}
     layers = (no_grid, zero_line, methodcaller("dots", "points", "speed_limits", size=6, line_width=1))
     tip = (("Efficiency", "@image{0.0 %}"), ("Speed", "$x{0} rad/s"), ("Torque", "$y{0} N m"))
 
@@ -111,7 +113,7 @@ class MotorMapChart(LevelMap):
     def draw(self, found: MotorMap, whose: str, operated: OperatingPoints | None) -> None:
         """Draw the map of motor or drive, and where the run works."""
         efficiency = found.motor if whose == "motor" and found.motor is not None else found.drive
-        inner = [level for level in EFFICIENCIES if level < np.nanmax(efficiency)]
+        inner = [level for level in EFFICIENCIES if level < np.nanmax(efficiency)][-MAX_LEVELS:]
         texts = [f"{100 * level:.0f}" for level in inner]
         self.draw_map(found.speed_rads, found.torque_nm, efficiency, [-1.0, *inner, 1.0 + 1e-9], texts)
         if operated is None:

@@ -142,6 +142,12 @@ def test_the_map_is_one_picture_over_the_range_that_is_chosen(session: Session, 
     page.map_view = "contours"
     assert (surface.host.visible, contour.host.visible) == (False, True)
     assert contour.x_range.end == 5000.0
+    energies = page.trade_off.enoc_map.energy_kwh
+    # the mouse and the saved table read what the bands show
+    assert contour.sources["map"].data["image"][0] == pytest.approx(energies, rel=1e-6, nan_ok=True)
+    levels = [float(text) for text in contour.scale.major_label_overrides.values()]
+    assert np.nanmin(energies) < levels[0] < levels[-1] < np.nanmax(energies)
+    assert contour.scale.color_mapper.high == len(levels) + 1 == len(contour.scale.color_mapper.palette)
     page.param.update(wide_map=False, map_view="surface")
     assert page.map.value == (False, 1.0)
 
