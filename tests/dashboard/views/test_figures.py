@@ -17,8 +17,8 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
-COUNTED = ("Trip", "Printed number, in the order of the tables", "Students")
-"""What is counted has no unit."""
+COUNTED = ("Trip", "Printed number, in the order of the tables", "Students", "Load factor", "Recuperation factor")
+"""What is counted, and a factor, has no unit."""
 CUT = {("contour", "x")} | {
     (name, "y")
     for name in (
