@@ -31,7 +31,7 @@ QUANTILES = (0.05, 0.5, 0.95)
 SHOWN = (0.0005, 0.9995)
 """Quantiles between which values are drawn."""
 PREVIEW_RUNS, PREVIEW_S, MOST_PREVIEW_S = 64, 3.0, 12.0
-"""A preview has at least so many runs, is shown at these intervals, and ends after the longest time [s]."""
+"""Runs of a preview, intervals at which it is shown, and longest time for which it goes on beyond the first [s]."""
 Bounds = Mapping[str, Ends]
 
 
@@ -355,11 +355,13 @@ def preview_steps(settings: Settings) -> Iterator[Preview]:
     # the first run loads the kernels and makes what all others share
     solve_rows(study, samples[:1])
     started, done, shown_s = time.perf_counter(), 0, 0.0
-    while done < count and shown_s < MOST_PREVIEW_S:
+    while done < count:
         part = samples[done : done + 4]
         results.append(Chunk(done, part, solve_rows(study, part)), 0.0)
         done += len(part)
         passed_s = time.perf_counter() - started
         if done == count or passed_s >= shown_s + PREVIEW_S:
-            shown_s = passed_s
-            yield Preview(settings, results.to_table(), passed_s / done * study.sample / worker_count())
+            shown_s, each_s = passed_s, passed_s / done
+            yield Preview(settings, results.to_table(), each_s * study.sample / worker_count())
+            if each_s * count > MOST_PREVIEW_S:
+                return

@@ -180,11 +180,7 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
     def nothing(*_: Any) -> Iterator[Any]:
         yield from ()
 
-    for name in (
-        "load.steps",
-        "chance.steps",
-        "events.compute_late_arrivals",
-    ):
+    for name in ("load.steps", "chance.steps", "events.compute_late_arrivals"):
         monkeypatch.setattr(f"railjoule.dashboard.pages.what_if.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)

@@ -17,7 +17,7 @@ from railjoule.dashboard.pages.learn.lessons import LESSONS
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
 COUNTED = ("Trip", "Printed number, in the order of the tables", "Students", "Load factor", "Recuperation factor")
-"""What is counted has no unit, nor has a share of one."""
+"""What is counted, and a factor, has no unit."""
 CUT = {("contour", "x")} | {
     (name, "y")
     for name in (
