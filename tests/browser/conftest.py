@@ -11,7 +11,7 @@ from browser.chromium import ARGUMENTS, browser_path
 from browser.server import Server, serving
 from browser.user import DRIVE, User
 
-expect.set_options(timeout=25_000)
+expect.set_options(timeout=60_000)
 
 
 QUIET = re.compile(

@@ -52,6 +52,7 @@ def test_tabs_are_reached_by_keyboard_and_stand_in_the_address(user: User, serve
 
 
 def test_chance_draws_and_can_be_stopped(user: User) -> None:
+    user.go(LINK)
     turn_to_tab(user, "Chance")
     note = user.page.get_by_text("runs, seed 1.")
     expect(note).to_contain_text("500 of 500 runs", timeout=WORKED_MS)

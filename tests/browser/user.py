@@ -175,6 +175,7 @@ class User:
 
     def go(self, link: str = DRIVE) -> None:
         """Show what a new window shows at a link: mostly in this one, without the seconds that opening one takes."""
+        self.settled()
         self.page.mouse.move(5, 5)
         self.url = urljoin(self.url, link)
         if self.page.evaluate(MADE, list(PAGES)) > MOST_MADE:
