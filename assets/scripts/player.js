@@ -1,7 +1,7 @@
 // The train on Drive: it runs along the track in the time of reality or faster, and the numbers and the advice follow.
 
 import {value_at} from "./cursor.js";
-import {deep, life_of, make, redraw_on} from "./dom.js";
+import {deep, life_of, make, put, redraw_on} from "./dom.js";
 import {written} from "./numbers.js";
 
 const PACES = [1, 4, 10];
@@ -41,9 +41,6 @@ export function render({model}) {
   // the columns of the run come when somebody is about to play it
   const want = () => { if (!model.wanted) { model.wanted = true; } };
 
-  const dots = () => model.train.map((id) => Bokeh.documents.map((one) => one.get_model_by_id(id)).find(Boolean));
-  // without a word to the server
-  const put = (dot, x, y) => dot?.setv({data: {x: [x], y: [y]}}, {sync: false});
   const light = (number) => {
     if (lit?.number === number && lit.item?.isConnected) { return; }
     lit?.item?.classList.remove("now");
@@ -70,9 +67,8 @@ export function render({model}) {
       if (run[name]) { value.textContent = written(at(name, stepped), digits); }
     }
     range.setAttribute("aria-valuetext", `${written(time, 1)} s, ${written(at("position"), 0)} m`);
-    const x = model.over_time ? time : at("position"), [on_speed, on_track] = dots();
-    put(on_speed, x, at("speed"));
-    put(on_track, x, at("height"));
+    const x = [model.over_time ? time : at("position")];
+    ["speed", "height"].forEach((name, k) => put(model.train[k], {x, y: [at(name)]}));
     light(instruction_at(run.starts, time));
   };
   const stop = () => {

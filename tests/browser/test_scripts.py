@@ -12,6 +12,7 @@ from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
+from railjoule.dashboard.pages.learn.driven import lesson_html
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -141,7 +142,6 @@ NUMBER: dict[str, Any] = {
     "refusal": "",
     "answers": 0,
 }
-PLAYED = {"title": "", "text": "", "verdict": {}, "refusals": 0, "lead": ""}
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {
         "page": "Start",
@@ -154,15 +154,7 @@ VALUES: dict[str, dict[str, Any]] = {
         "address": "",
         "progress": None,
     },
-    "drive_it": {
-        **PLAYED,
-        "given": {
-            "mesh": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
-            "timetable_s": 9.0,
-            "tries": 3,
-            "ghost": None,
-        },
-    },
+    "drive_it": {"html": lesson_html(), "sources": {}, "given": {}, "verdict": {}, "refusals": 0, "lead": ""},
     "editor_head": {"status": "", "alert": "", "open": False},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "number_field": NUMBER,
@@ -542,11 +534,11 @@ def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> 
         speed2.push(m.next_speed2(a.mesh, i, speed2[i], command));
         sum = m.with_cell(a.mesh, sum, i, speed2[i], speed2[i + 1]);
       });
-      return {speed2, sum, written: m.written(commands)};
+      return {speed2, sum, letters: m.in_letters(commands)};
     """
     found = run(page, "driving", code, {"commands": commands.tolist(), "mesh": mesh_arrays(mesh)})
     account, sum_ = driven.energy, found["sum"]
-    assert found["written"] == text
+    assert found["letters"] == text
     assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
     assert sum_["time"] == pytest.approx(driven.travel_time_s, rel=1e-6)
     wanted = {
@@ -562,6 +554,24 @@ def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> 
         assert sum_[name] == pytest.approx(energy, rel=1e-6, abs=1e-4 * J_PER_KWH), name
 
 
+def test_a_train_goes_on_in_the_cell_that_it_is_in(page: Page) -> None:
+    """By many small steps or a few: the account between two nodes grows up to that of the next."""
+    code = """
+      const trip = m.set_off(a), ends = m.set_off(a), energies = [];
+      for (let k = 0; k < 50; k++) { trip.drive(0.1, () => m.POWER); energies.push(trip.now().sum.drawn); }
+      ends.drive(5, () => m.POWER);
+      const there = trip.now(), at_once = ends.now();
+      while (!trip.has_arrived()) { trip.drive(10, () => m.POWER); }
+      return {energies, there, at_once, cells: trip.run.commands.length, end: trip.now().at};
+    """
+    mesh = mesh_arrays(lesson()[1])
+    found = run(page, "driving", code, mesh)
+    assert found["energies"] == sorted(found["energies"])
+    assert found["there"]["at"] == pytest.approx(found["at_once"]["at"])
+    assert found["there"]["sum"] == pytest.approx(found["at_once"]["sum"])
+    assert (found["cells"], found["end"]) == (len(mesh["length"]), mesh["position"][-1])
+
+
 def test_a_ghost_is_where_the_run_was_at_the_time(page: Page) -> None:
     """At a node, within a cell with the speed rising evenly over time, and at the end."""
     code = "return a.times.map((time) => m.place_at(a.mesh, a.run, time));"
@@ -570,7 +580,7 @@ def test_a_ghost_is_where_the_run_was_at_the_time(page: Page) -> None:
         "run": {"times": [0, 2, 4], "speeds": [0, 10, 10]},
         "times": [0, 1, 2, 3, 9],
     }
-    found = run(page, "drive_it", code, given)
+    found = run(page, "driving", code, given)
     assert [one["at"] for one in found] == pytest.approx([0, 2.5, 10, 20, 30])
     assert [one["speed"] for one in found] == pytest.approx([0, 5, 10, 10, 10])
 

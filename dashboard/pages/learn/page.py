@@ -19,9 +19,10 @@ from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Class
 from railjoule.dashboard.pages.learn.compute import compute_lessons
 from railjoule.dashboard.pages.learn.drawing import POINTS, drive_drawing
 from railjoule.dashboard.pages.learn.drawn import DRAWN_PLOTS, DrawSpeed
+from railjoule.dashboard.pages.learn.driven import BY_HAND_PLOTS, DriveIt
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
-from railjoule.dashboard.pages.learn.played import PLAYED, DriveIt, begin_all, judge
+from railjoule.dashboard.pages.learn.played import PLAYED, begin_all, judge
 from railjoule.dashboard.pages.learn.shared import ShareOut
 from railjoule.dashboard.pages.learn.verdict import Verdict
 from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS
@@ -42,7 +43,13 @@ class Learn(Page):
     page = "Learn"
     kept = (*NAMES, *GUESSES, "lesson", *PLAYED, "class_token", "class_student", "class_name", "class_key")
     passing = (*DRAFTS, "asked", "sketch", "place_percent", "class_lesson", "class_best", "class_refusal")
-    figures = (*(plot for plots in FIGURES.values() for plot in plots), CLASS_RUNS, CLASS_GUESSES, *DRAWN_PLOTS)
+    figures = (
+        *BY_HAND_PLOTS,
+        *(plot for plots in FIGURES.values() for plot in plots),
+        CLASS_RUNS,
+        CLASS_GUESSES,
+        *DRAWN_PLOTS,
+    )
     # lessons have scenarios of their own: their results hold whatever becomes of the one beside the pages
     follows_scenario = False
 
@@ -214,7 +221,7 @@ class Learn(Page):
     def layout(self) -> Viewable:
         """Make the lessons and the class, and return them laid out."""
         self.played: Mapping[str, Any] = {
-            "driven": DriveIt("driven", self.hear),
+            "driven": DriveIt("driven", self),
             "shared": ShareOut("shared", self.hear),
             "drawn": DrawSpeed("drawn", self),
         }
