@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, Page, Route
 
 from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.browser import bar_html
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
 from railjoule.dashboard.pages.learn.driven import lesson_html
@@ -122,7 +123,6 @@ EventTarget.prototype.removeEventListener = function (name, listener, options) {
 };
 """
 LISTENED = "Object.assign(EventTarget.prototype, {addEventListener, removeEventListener});"
-ENTRIES = [{"name": name, "place": "bar", "group": group} for name, group in (("Start", ""), ("Drive", "Run"))]
 NUMBER: dict[str, Any] = {
     "label": "Travel time, s",
     "of": "",
@@ -145,9 +145,10 @@ NUMBER: dict[str, Any] = {
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {
         "page": "Start",
-        "entries": ENTRIES,
+        "bar": bar_html(),
+        "pages": ["Start", "Drive"],
+        "bare": [],
         "keyed": ["Start", "Drive"],
-        "brand": "",
         "labels": {"undo": "Undo"},
         "disabled": [],
         "charts_in_sight": [],
@@ -356,7 +357,7 @@ def test_numbers_as_people_read_them(page: Page, value: float, digits: tuple[int
 
 
 def test_a_tick_has_its_digits_and_more_where_it_needs_them(page: Page) -> None:
-    told = run(page, "ticks", "return a.map((tick) => m.tick_words(tick, 1))", [-2000, 0.5, 0.125])
+    told = run(page, "numbers", "return a.map((tick) => m.written(tick, 1, 3))", [-2000, 0.5, 0.125])
     assert told == ["\u22122\u202f000.0", "0.5", "0.125"]
 
 
