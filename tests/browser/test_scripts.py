@@ -14,6 +14,7 @@ from railjoule.dashboard.browser import bar_html
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
 from railjoule.dashboard.pages.learn.driven import lesson_html
+from railjoule.dashboard.shell.strategies import strategy_rows
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -189,7 +190,7 @@ def test_a_tick_outlasts_numbers_that_come_before_its_answer(page: Page) -> None
     code = f"""
       {MODEL}
       const host = shown(m.render({{model}}));
-      const [one, two] = host.querySelectorAll("input.draw"), [first, second] = host.querySelectorAll("input.one");
+      const [one, two] = host.querySelectorAll("input.draw"), [first, second] = host.querySelectorAll("[type=radio]");
       const state = () => [one.checked, two.checked, first.checked, second.checked];
       const seen = [];
       two.click();
@@ -206,8 +207,8 @@ def test_a_tick_outlasts_numbers_that_come_before_its_answer(page: Page) -> None
       seen.push(state());
       return [told.map((message) => message.kind), ...seen];
     """
-    names = [{"name": name, "label": name, "swatch": "", "info": ""} for name in "ab"]
-    start = {"strategies": names, "chosen": "a", "ticked": [], "results": {}, "above": "", "unknown": "", "draws": True}
+    html = strategy_rows({"a": "a", "b": "b"})
+    start = {"html": html, "chosen": "a", "ticked": [], "results": {}, "above": "", "unknown": "", "draws": True}
     start |= {"hidden": [], "refusals": ""}
     assert run(page, "strategies", code, start) == [
         ["draw", "choose"],
