@@ -1,9 +1,12 @@
 """Components with a script of their own: a table whose cells are fields, and the editor's title."""
 
 from collections.abc import Callable
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 import param
+from jinja2 import Environment, StrictUndefined, Template
 from panel.custom import JSComponent
 
 from railjoule.dashboard.look.scripts import module
@@ -37,13 +40,26 @@ class TableForm(Form):
     """A table whose cells are fields."""
 
     table = param.Dict(default={}, doc="Content of the table.")
+    html = param.String(default="", doc="Its head, and its cells without what they hold.")
     version = param.Integer(default=0, doc="Counts what was sent: the browser redraws at each.")
 
     _esm = module("table_form")
 
     def show(self, table: dict[str, Any]) -> None:
         """Show a table; what a browser has typed since is written over."""
-        self.param.update(table=table, version=self.version + 1)
+        self.param.update(table=table, html=table_html(table), version=self.version + 1)
+
+
+def table_html(table: dict[str, Any]) -> str:
+    """Return a table without what its cells hold."""
+    return table_template().render(table)
+
+
+@cache
+def table_template() -> Template:
+    """Return the template of all tables."""
+    text = files("railjoule.assets").joinpath("templates", "table_form.html").read_text(encoding="utf-8")
+    return Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(text)
 
 
 class EditorHead(Form):

@@ -11,7 +11,9 @@ from playwright.sync_api import Browser, Page, Route
 from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.browser import bar_html
+from railjoule.dashboard.editor.forms import table_html
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
+from railjoule.dashboard.pages.drive.player import Player
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
 from railjoule.dashboard.pages.learn.driven import lesson_html
 from railjoule.dashboard.shell.strategies import strategy_rows
@@ -160,7 +162,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "editor_head": {"status": "", "alert": "", "open": False},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "number_field": NUMBER,
-    "player": {"wanted": False, "run": {}, "train": [], "over_time": False},
+    "player": {"html": Player.param["html"].default, "wanted": False, "run": {}, "train": [], "over_time": False},
 }
 """Properties that each of the listening components needs to be drawn."""
 
@@ -322,7 +324,14 @@ def test_typed_decimals_are_shown_and_computed_ones_rounded(page: Page, number: 
 
 def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
     columns = [{"key": key, "label": key, "kind": "number", "help": ""} for key in ("length", "gradient")]
-    table = {"columns": columns, "rows": [["1", "2"], ["3", "4"]], "label": "Sections", "help": "", "more": ""}
+    table = {
+        "columns": columns,
+        "rows": [["1", "2"], ["3", "4"]],
+        "label": "Sections",
+        "help": "",
+        "more": "",
+        "changed": False,
+    }
     code = f"""
       {MODEL}
       const host = shown(m.render({{model}})), inputs = [...host.querySelectorAll("input[type=text]")];
@@ -334,7 +343,7 @@ def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
       host.querySelector("[aria-label='Remove row 2']").click();
       return {{now, told, names: inputs.map((input) => input.ariaLabel)}};
     """
-    seen = run(page, "table_form", code, {"table": table, "version": 0})
+    seen = run(page, "table_form", code, {"table": table, "html": table_html(table), "version": 0})
     assert seen["now"] == 2
     assert seen["told"] == [{"what": "cell", "row": 1, "column": 1, "text": "5"}, {"what": "remove", "row": 1}]
     assert seen["names"] == ["length, row 1", "gradient, row 1", "length, row 2", "gradient, row 2"]
