@@ -206,7 +206,7 @@ class LessonSpeedChart(LoneChart):
     name, caption, height, palette
         As in `LoneChart`.
     scenario : Scenario
-        That of the lesson.
+        The lesson's.
     """
 
     x_title = DISTANCE
