@@ -14,7 +14,6 @@ from typing import Any
 
 import panel as pn
 import param
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 from panel.custom import JSComponent
 
@@ -22,6 +21,7 @@ from railjoule.core.scenario.text_file import MAX_FILE_BYTES
 from railjoule.dashboard.faults import handle
 from railjoule.dashboard.library_workarounds import frozen, thaw
 from railjoule.dashboard.look.scripts import module
+from railjoule.dashboard.look.templates import template
 from railjoule.dashboard.page_list import KEYED, PAGES, grouped_pages
 
 ASSETS = files("railjoule.assets")
@@ -46,9 +46,7 @@ ICONS = {
 
 def bar_html() -> str:
     """Return the bar of pages; the browser writes the page in sight and the words of buttons into it."""
-    text = (ASSETS / "templates" / "bar.html").read_text(encoding="utf-8")
-    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(text)
-    return template.render(brand=Markup(BRAND), groups=grouped_pages(), pages=PAGES, icons=ICONS)
+    return template("bar").render(brand=Markup(BRAND), groups=grouped_pages(), pages=PAGES, icons=ICONS)
 
 
 class Browser(JSComponent):

@@ -1,15 +1,13 @@
 """Components with a script of their own: a table whose cells are fields, and the editor's title."""
 
 from collections.abc import Callable, Mapping
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import param
-from jinja2 import Environment, StrictUndefined, Template
 from panel.custom import JSComponent
 
 from railjoule.dashboard.look.scripts import module
+from railjoule.dashboard.look.templates import template
 from railjoule.dashboard.look.theme import editor_css
 
 
@@ -57,14 +55,7 @@ class TableForm(Form):
 
 def table_html(table: dict[str, Any]) -> str:
     """Return a table without what its cells hold."""
-    return table_template().render(table)
-
-
-@cache
-def table_template() -> Template:
-    """Return the template of all tables."""
-    text = files("railjoule.assets").joinpath("templates", "table_form.html").read_text(encoding="utf-8")
-    return Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(text)
+    return template("table_form").render(table)
 
 
 class EditorHead(Form):

@@ -1,16 +1,13 @@
 """The driver's card: the advice with its times on one page to print, which needs no network."""
 
-from functools import cache
-from importlib.resources import files
-
 import numpy as np
-from jinja2 import Environment, StrictUndefined, Template
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.templates import template
 from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.parts.html import stop_times
 
@@ -20,12 +17,6 @@ LARGEST_PX, SMALLEST_PX, PAGE_PX = 30.0, 8.0, 660.0
 """Sizes of the type; height that rows, heading and foot share."""
 COLUMN_LINES = 9
 """Up to so many instructions stand in one column."""
-
-
-@cache
-def _template() -> Template:
-    text = (files("railjoule.assets") / "templates" / "driver_card.html").read_text(encoding="utf-8")
-    return Environment(autoescape=True, undefined=StrictUndefined).from_string(text)
 
 
 def driver_card(run: Trajectory, note: str = "") -> str:
@@ -42,7 +33,7 @@ def driver_card(run: Trajectory, note: str = "") -> str:
         return " ".join(f"{one:.1f},{other:.1f}" for one, other in zip(x, y, strict=True))
 
     rows = max(len(texts) if len(texts) <= COLUMN_LINES else (len(texts) + 1) // 2, len(stops))
-    return _template().render(
+    return template("driver_card").render(
         title=words.title(scenario.title),
         train=words.subtitle(run.distance_m, scenario.vehicle),
         departure=clock(0.0),

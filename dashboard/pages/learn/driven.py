@@ -3,12 +3,10 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import param
-from jinja2 import Environment, StrictUndefined
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.dashboard.charts.plot import Plot
@@ -17,6 +15,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import module
+from railjoule.dashboard.look.templates import template
 from railjoule.dashboard.look.theme import played_css
 from railjoule.dashboard.look.tokens import variable
 from railjoule.dashboard.pages.learn.by_hand import TRIES, lesson
@@ -104,10 +103,8 @@ BY_HAND_PLOTS = (SPEED, HEIGHT, ABOVE)
 @cache
 def lesson_html() -> str:
     """Return the lesson as the browser begins with it."""
-    text = (files("railjoule.assets") / "templates" / "drive_it.html").read_text(encoding="utf-8")
-    made = Environment(autoescape=True, undefined=StrictUndefined).from_string(text)
     texts = PLAYED_TEXTS["driven"]
-    return made.render(
+    return template("drive_it").render(
         title=texts["title"], text=texts["text"], energies=ENERGIES, commands=COMMANDS, variable=variable
     )
 
