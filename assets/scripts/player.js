@@ -16,7 +16,7 @@ export const quantity_at = (run, name, time, stepped) =>
 
 export function render({model}) {
   const signal = life_of(model), calm = window.matchMedia("(prefers-reduced-motion: reduce)");
-  const root = filled("div", "player", model.html), [button, range, pace, readouts] = root.children;
+  const root = filled("div", "player", model.html), [button, pace, range, readouts] = root.children;
   root.setAttribute("role", "group");
   root.setAttribute("aria-label", "Play the run");
   let time = 0, begun_ms = 0, playing = false, asked = false, lit = null, shown = false;

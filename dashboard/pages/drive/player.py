@@ -44,9 +44,9 @@ READOUTS = (
 NUMBER = '<span><b data-quantity="{0}" data-digits="{2}" data-stepped="{3}">\u2013</b> {1}</span>'
 BAR = """
 <button type="button">Play</button>
-<input type="range" min="0" max="1" step="1" value="0" aria-label="Time of the run, s">
 <select aria-label="Pace"><option value="1">1\u00d7</option><option value="4">4\u00d7</option>
 <option value="10">10\u00d7</option></select>
+<input type="range" min="0" max="1" step="1" value="0" aria-label="Time of the run, s">
 <span class="readouts idle">{}</span>
 """
 """The numbers have their place before there is a run to play."""
