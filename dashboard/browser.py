@@ -14,13 +14,15 @@ from typing import Any
 
 import panel as pn
 import param
+from markupsafe import Markup
 from panel.custom import JSComponent
 
 from railjoule.core.scenario.text_file import MAX_FILE_BYTES
 from railjoule.dashboard.faults import handle
 from railjoule.dashboard.library_workarounds import frozen, thaw
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.page_list import KEYED, PAGES
+from railjoule.dashboard.look.templates import template
+from railjoule.dashboard.page_list import KEYED, PAGES, grouped_pages
 
 ASSETS = files("railjoule.assets")
 BRAND = (
@@ -30,6 +32,21 @@ BRAND = (
     '<path d="M1 20.5H21" stroke="var(--rj-line2)" stroke-width="1.4"/></svg>'
     '<span class="name">railjoule</span>'
 )
+
+ICONS = {
+    "undo": "M8 5 3 10l5 5M3 10h11a5 5 0 0 1 0 10h-3",
+    "redo": "m16 5 5 5-5 5m5-5H10a5 5 0 0 0 0 10h3",
+    "share": "M3 12a3 3 0 1 0 6 0 3 3 0 1 0-6 0M15 5a3 3 0 1 0 6 0 3 3 0 1 0-6 0"
+    "m0 14a3 3 0 1 0 6 0 3 3 0 1 0-6 0M9 10l6-4m-6 8 6 4",
+    "pin": "M8 3h8m-6 0v7l-4 4h12l-4-4V3m-2 11v7",
+    "report": "M6 3h8l4 4v14H6zm8 0v5h4M9 13h6m-6 4h6",
+}
+"""The buttons of the bar by the kind of their message, as paths of SVG."""
+
+
+def bar_html() -> str:
+    """Return the bar of pages; the browser writes the page in sight and the words of buttons into it."""
+    return template("bar").render(brand=Markup(BRAND), groups=grouped_pages(), pages=PAGES, icons=ICONS)
 
 
 class Browser(JSComponent):
@@ -55,15 +72,12 @@ class Browser(JSComponent):
         doc="The buttons of the bar: their labels by the kind of their message.",
     )
     disabled = param.List(default=["undo", "redo"], doc="Kinds of the buttons that have nothing to do.")
-    entries = param.List(
-        default=[
-            {"name": name, "place": entry.place, "group": entry.group, "bare": not entry.has_sidebar}
-            for name, entry in PAGES.items()
-        ],
-        doc="Name, place and group of each page, and whether it has the whole width.",
+    bar = param.String(default=bar_html(), doc="The bar of pages, as HTML.")
+    pages = param.List(default=list(PAGES), doc="The names of all pages.")
+    bare = param.List(
+        default=[name for name, entry in PAGES.items() if not entry.has_sidebar], doc="Those with the whole width."
     )
     keyed = param.List(default=list(KEYED), doc="The pages that the keys 1 to 9 open.")
-    brand = param.String(default=BRAND, doc="The brand, as HTML.")
     # the browser checks first: a message that is too large ends the connection (panel 6923)
     largest_bytes = param.Integer(default=MAX_FILE_BYTES, doc="Largest file that is read.")
 

@@ -65,9 +65,17 @@ KEYED = tuple(name for name, entry in PAGES.items() if entry.place == "bar")[:9]
 """The pages that the keys 1 to 9 open."""
 
 
+def grouped_pages() -> dict[str, list[str]]:
+    """Return the names of the pages by the entry of the bar that they are, or whose list names them."""
+    found: dict[str, list[str]] = {}
+    for name, entry in PAGES.items():
+        found.setdefault(entry.group or name, []).append(name)
+    return found
+
+
 def bar_entries() -> tuple[str, ...]:
     """Return the entries of the bar: pages, and the names of groups."""
-    return tuple(dict.fromkeys(entry.group or name for name, entry in PAGES.items() if entry.place == "bar"))
+    return tuple(entry for entry, names in grouped_pages().items() if PAGES[names[0]].place == "bar")
 
 
 def package_name(name: str) -> str:

@@ -4,6 +4,7 @@ import {make} from "./dom.js";
 import {copy_text} from "./files.js";
 
 const COPIED_FOR_MS = 2000;
+const PRINTED = "body { font: 20px/1.5 sans-serif; } h1 { font-size: 24px; } h2 { font-size: 20px; } p { margin: 0 0 6px; }";
 
 // a number as programs read it
 export const plain = (text) => text.trim().replaceAll("\u202f", "").replaceAll("\u2212", "-");
@@ -16,22 +17,14 @@ const lines_of = (card) => [...card.querySelectorAll("li:has(> b), .way")].map((
 const card_text = (card) => [card.dataset.title, ...lines_of(card)].join("\n");
 const print_card = (card) => {
   document.getElementById("rj-print")?.remove();
-  const frame = make("iframe", {id: "rj-print", title: "Driver\u2019s advice, to print", "aria-hidden": "true"});
-  frame.style.cssText = "position:fixed;width:0;height:0;border:0;visibility:hidden";
+  const frame = make("iframe", {
+    id: "rj-print", title: "Driver\u2019s advice, to print", "aria-hidden": "true",
+    style: "position:fixed;width:0;height:0;border:0;visibility:hidden",
+  });
   document.body.append(frame);
-  const sheet = frame.contentDocument;
-  const style = sheet.createElement("style");
-  style.textContent = "body { font: 20px/1.5 sans-serif; } h1 { font-size: 24px; } h2 { font-size: 20px; } p { margin: 0 0 6px; }";
-  const heading = sheet.createElement("h1");
-  heading.textContent = card.dataset.title;
-  sheet.title = card.dataset.title;
-  sheet.head.append(style);
-  sheet.body.append(heading);
-  for (const line of lines_of(card)) {
-    const item = sheet.createElement(/^\d+\. /.test(line) ? "p" : "h2");
-    item.textContent = line;
-    sheet.body.append(item);
-  }
+  const {head, body} = frame.contentDocument, {title} = card.dataset;
+  head.append(make("title", {}, title), make("style", {}, PRINTED));
+  body.append(make("h1", {}, title), ...lines_of(card).map((line) => make(/^\d+\. /.test(line) ? "p" : "h2", {}, line)));
   frame.contentWindow.print();
 };
 const ACTIONS = {

@@ -1,8 +1,7 @@
 // The browser's half of the frame: draws the bar, and does all that only the browser can do.
 
 import {act_on} from "./actions.js";
-import {make_bar} from "./bar.js";
-import {chart_of, deep, life_of, make, within} from "./dom.js";
+import {chart_of, deep, filled, life_of, make, within} from "./dom.js";
 import {explain} from "./terms.js";
 import {send_file, tie} from "./ties.js";
 
@@ -55,10 +54,31 @@ const watch_charts = (model, signal) => {
   };
 };
 
+// Shows in the bar which page is in sight, what its buttons do, and whether something is being computed.
+const show_in_bar = (nav, model, page, is_turning) => {
+  const menu = nav.querySelector(".menu"), bar = nav.querySelector(".bar"), working = nav.querySelector(".working");
+  menu.firstChild.textContent = page;
+  menu.setAttribute("aria-label", `Pages, ${page}`);
+  for (const button of nav.querySelectorAll("[data-page]")) {
+    if (button.dataset.page === page) { button.setAttribute("aria-current", "page"); } else { button.removeAttribute("aria-current"); }
+  }
+  const here = bar.querySelector("li:has([aria-current])");
+  if (here && bar.scrollWidth > bar.clientWidth) { bar.scrollLeft = here.offsetLeft - bar.offsetLeft; }
+  for (const button of nav.querySelectorAll("[data-ask]")) {
+    const {ask} = button.dataset, words = model.labels[ask];
+    button.title = words;
+    button.setAttribute("aria-label", words);
+    button.lastChild.textContent = words;
+    button.disabled = model.disabled.includes(ask);
+  }
+  working.hidden = !is_turning && !model.working && model.progress === null;
+  working.style.setProperty("--share", model.progress ?? "");
+  working.classList.toggle("known", model.progress !== null);
+};
+
 export function render({model, view}) {
-  const signal = life_of(model), {document: bokeh_document} = view.model, {nav, show} = make_bar(model);
+  const signal = life_of(model), {document: bokeh_document} = view.model, nav = filled("nav", "", model.bar);
   const on = (target, name, listener, options = {}) => target.addEventListener(name, listener, {signal, ...options});
-  const bare = new Set(model.entries.filter((entry) => entry.bare).map(({name}) => name));
   let asked = null, limit = 0;
 
   // --- pages: one that was open before is there immediately, and later changes come with the server's answer
@@ -66,8 +86,8 @@ export function render({model, view}) {
   const scroller = () => deep(".main-content")[0], scrolled = new Map();
   const draw = () => {
     const page = asked ?? model.page;
-    show(page, asked !== null);
-    root.classList.toggle("rj-bare", bare.has(page));
+    show_in_bar(nav, model, page, asked !== null);
+    root.classList.toggle("rj-bare", model.bare.includes(page));
   };
   const arrive = () => {
     const main = scroller();
@@ -78,8 +98,8 @@ export function render({model, view}) {
     if (asked === null) { scrolled.set(model.page, scroller()?.scrollTop ?? 0); }
     asked = name;
     const holder = (page) => bokeh_document.get_model_by_name(`page ${page}`);
-    for (const page of holder(name) ? model.entries : []) {
-      holder(page.name)?.setv({css_classes: page.name === name ? [] : [AWAY]}, {sync: false});
+    for (const page of holder(name) ? model.pages : []) {
+      holder(page)?.setv({css_classes: page === name ? [] : [AWAY]}, {sync: false});
     }
     if (holder(name)) { arrive(); }
     clearTimeout(limit);
@@ -120,6 +140,12 @@ export function render({model, view}) {
     event.preventDefault();
   });
 
+  // within a shadow root the browser does not give the focus back to what has opened a list
+  on(nav, "keydown", ({key}) => {
+    const list = key === "Escape" && nav.querySelector(":popover-open");
+    if (list) { list.hidePopover(); nav.querySelector(`[popovertarget=${list.id}]`).focus(); }
+  });
+
   // --- the window, its colours, and what is in sight
 
   const system = window.matchMedia("(prefers-color-scheme: dark)");
@@ -149,6 +175,7 @@ export function render({model, view}) {
   signal.addEventListener("abort", () => bokeh_document.remove_on_change(soon));
   for (const late_ms of [0, LOOK_MS, LATE_MS, 3 * LATE_MS]) { setTimeout(look, late_ms); }
 
+  nav.setAttribute("aria-label", "Pages");
   tie(model, bokeh_document, signal);
   explain(turn, signal);
   measure();

@@ -8,11 +8,7 @@ const PLACE = Symbol.for("railjoule.place");
 // The value of a line at a place, NaN beyond its ends; a stepped line has that of the cell that ends there.
 export const value_at = ({x, y}, place, stepped) => {
   if (!x || x.length < 2 || place < x[0] || place > x[x.length - 1]) { return NaN; }
-  let low = 0, high = x.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (x[middle] < place) { low = middle; } else { high = middle; }
-  }
+  const high = Math.max(x.findIndex((one) => one >= place), 1), low = high - 1;
   if (stepped || x[high] === x[low]) { return y[high]; }
   return y[low] + (y[high] - y[low]) * (place - x[low]) / (x[high] - x[low]);
 };

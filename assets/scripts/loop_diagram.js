@@ -7,18 +7,16 @@ const ABOVE_PX = 24;
 export function render({model}) {
   const signal = life_of(model), box = filled("div", "", model.drawing);
   const block_of = (name) => Object.keys(model.charts).find((block) => model.charts[block].includes(name));
-  const hosts = (block) => deep(".rj-chart").filter((host) => block && model.charts[block].includes(chart_of(host)));
-  let under = null, focused = null, lit = null, framed = [];
+  const is_of = (host, block) => model.charts[block].includes(chart_of(host));
+  let under = null, lit = null;
   const light = () => {
-    const block = under ?? focused;
+    const block = under ?? box.querySelector(":focus-visible")?.dataset.block ?? null;
     if (block === lit) { return; }
     lit = block;
     for (const shape of box.querySelectorAll("[data-block]")) {
       shape.classList.toggle("lit", shape.dataset.block === block);
     }
-    for (const host of framed) { host.style.outline = ""; host.classList.remove("rj-lit"); }
-    framed = hosts(block);
-    for (const host of framed) { host.style.outline = "2px solid var(--rj-accent)"; host.classList.add("rj-lit"); }
+    for (const host of deep(".rj-chart")) { host.classList.toggle("rj-lit", block !== null && is_of(host, block)); }
   };
   const show = (block) => {
     const places = model.charts[block].flatMap((name) => deep(`.rj-chart-${name}`));
@@ -37,18 +35,13 @@ export function render({model}) {
     light();
   };
   document.addEventListener("pointermove", move, {capture: true, signal});
-  box.addEventListener("focusin", (event) => {
-    focused = event.target.matches(":focus-visible") ? event.target.dataset.block ?? null : null;
-    light();
-  });
-  box.addEventListener("focusout", () => { focused = null; light(); });
-  box.addEventListener("click", (event) => {
+  for (const name of ["focusin", "focusout"]) { box.addEventListener(name, light); }
+  const press = (event) => {
     const shape = event.target.closest("[data-block]");
-    if (shape) { show(shape.dataset.block); }
-  });
-  box.addEventListener("keydown", (event) => {
-    const shape = event.target.closest("[data-block]");
-    if (shape && (event.key === "Enter" || event.key === " ")) { event.preventDefault(); show(shape.dataset.block); }
-  });
+    if (!shape || (event.key && event.key !== "Enter" && event.key !== " ")) { return; }
+    event.preventDefault();
+    show(shape.dataset.block);
+  };
+  for (const name of ["click", "keydown"]) { box.addEventListener(name, press); }
   return box;
 }

@@ -1,17 +1,11 @@
 // The train on Drive: it runs along the track in the time of reality or faster, and the numbers and the advice follow.
 
 import {value_at} from "./cursor.js";
-import {deep, life_of, make, redraw_on} from "./dom.js";
+import {deep, filled, life_of, put, redraw_on} from "./dom.js";
 import {written} from "./numbers.js";
 
-const PACES = [1, 4, 10];
 // under prefers-reduced-motion the train moves once in so many milliseconds
 const CALM_MS = 1000;
-// Column, unit and digits of each number; a stepped one is constant in each cell.
-const READOUTS = [
-  ["time", "s", 1], ["position", "m", 0], ["speed", "km/h", 1], ["power", "MW", 2, true], ["current", "A", 0, true],
-  ["energy", "kWh", 2],
-];
 
 // The number of the instruction that holds at a time; each begins at its start.
 export const instruction_at = (starts, time) => Math.max(starts.findLastIndex((start) => start <= time + 1e-9), 0);
@@ -22,18 +16,9 @@ export const quantity_at = (run, name, time, stepped) =>
 
 export function render({model}) {
   const signal = life_of(model), calm = window.matchMedia("(prefers-reduced-motion: reduce)");
-  const root = make("div", {class: "player", role: "group", "aria-label": "Play the run"});
-  const button = make("button", {type: "button"}, "Play");
-  const range = make("input", {type: "range", min: 0, max: 1, step: 1, value: 0, "aria-label": "Time of the run, s"});
-  const pace = make("select", {"aria-label": "Pace"}, ...PACES.map((times) => make("option", {value: times}, `${times}\u00d7`)));
-  const numbers = new Map(READOUTS.map(([name, unit]) => {
-    const value = make("b", {"data-quantity": name}, "\u2013");
-    return [name, {value, place: make("span", {}, value, ` ${unit}`)}];
-  }));
-  const readouts = make("span", {class: "readouts"}, ...[...numbers.values()].map(({place}) => place));
-  // it has its place before there is a run to play
-  readouts.classList.add("idle");
-  root.append(button, pace, range, readouts);
+  const root = filled("div", "player", model.html), [button, pace, range, readouts] = root.children;
+  root.setAttribute("role", "group");
+  root.setAttribute("aria-label", "Play the run");
   let time = 0, begun_ms = 0, playing = false, asked = false, lit = null, shown = false;
 
   const is_there = () => (model.run.time?.length ?? 0) > 1;
@@ -41,9 +26,6 @@ export function render({model}) {
   // the columns of the run come when somebody is about to play it
   const want = () => { if (!model.wanted) { model.wanted = true; } };
 
-  const dots = () => model.train.map((id) => Bokeh.documents.map((one) => one.get_model_by_id(id)).find(Boolean));
-  // without a word to the server
-  const put = (dot, x, y) => dot?.setv({data: {x: [x], y: [y]}}, {sync: false});
   const light = (number) => {
     if (lit?.number === number && lit.item?.isConnected) { return; }
     lit?.item?.classList.remove("now");
@@ -64,15 +46,14 @@ export function render({model}) {
     const {run} = model, at = (name, stepped) => quantity_at(run, name, time, stepped);
     range.max = String(end());
     range.value = String(time);
-    for (const [name, , digits, stepped] of READOUTS) {
-      const {value, place} = numbers.get(name);
-      place.hidden = !run[name];
-      if (run[name]) { value.textContent = written(at(name, stepped), digits); }
+    for (const value of readouts.querySelectorAll("b")) {
+      const {quantity, digits, stepped} = value.dataset;
+      value.parentElement.hidden = !run[quantity];
+      if (run[quantity]) { value.textContent = written(at(quantity, stepped), Number(digits)); }
     }
     range.setAttribute("aria-valuetext", `${written(time, 1)} s, ${written(at("position"), 0)} m`);
-    const x = model.over_time ? time : at("position"), [on_speed, on_track] = dots();
-    put(on_speed, x, at("speed"));
-    put(on_track, x, at("height"));
+    const x = [model.over_time ? time : at("position")];
+    ["speed", "height"].forEach((name, k) => put(model.train[k], {x, y: [at(name)]}));
     light(instruction_at(run.starts, time));
   };
   const stop = () => {

@@ -2,34 +2,13 @@
 
 import {make, redraw_on} from "./dom.js";
 
-const ACTS = [
-  ["insert", "+", "Insert a row below row", 1],
-  ["up", "\u2191", "Move up row", -1],
-  ["down", "\u2193", "Move down row", 1],
-  ["remove", "\u00d7", "Remove row", 0],
-];
-const button = (what, row, name, text, kind, more = {}) =>
-  make("button", {type: "button", class: kind, "data-what": what, "data-row": row, "aria-label": name, ...more}, text);
-const cell = ({kind, choices, label}, row, column) => {
-  const named = {"aria-label": `${label}, row ${row + 1}`, "data-row": row, "data-column": column};
-  if (kind === "choice") { return make("select", named, ...choices.map((value) => make("option", {value}, value))); }
-  const wide = kind === "text", more = {class: wide ? "wide" : "", inputmode: wide ? null : "decimal"};
-  return make("input", {...named, ...more, type: "text", autocomplete: "off", spellcheck: "false"});
-};
-const head = (text, more = {}, ...inner) => make("th", {scope: "col", ...more}, ...inner, text);
-const body = ({columns, rows, label}) => make("div", {class: "scroll"}, make("table", {"aria-label": label},
-  make("thead", {}, make("tr", {}, head("", {}, make("span", {class: "hidden"}, "Row")),
-    ...columns.map((column) => head(column.label, {title: column.help})),
-    head("", {}, make("span", {class: "hidden"}, "Change the rows")))),
-  make("tbody", {}, ...rows.map((_, row) => make("tr", {}, make("th", {scope: "row"}, String(row + 1)),
-    ...columns.map((column, index) => make("td", {}, cell(column, row, index))),
-    make("td", {class: "acts"}, ...ACTS.map(([what, sign, name], k) => button(what, row, `${name} ${row + 1}`, sign,
-      "small-button", {title: `${name} ${row + 1}`, "data-column": columns.length + k}))))))));
+// how far from the row of a button the focus goes
+const MOVES = {insert: 1, up: -1, down: 1};
 
 export function render({model}) {
-  const root = make("div", {class: "table-editor"});
-  const error = make("div", {class: "refusal", role: "alert", hidden: true});
-  let shape = "", wanted = null;
+  const body = make("div"), error = make("div", {class: "refusal", role: "alert", hidden: true});
+  const root = make("div", {class: "table-editor"}, body, error);
+  let wanted = null;
   const line = (row) => root.querySelectorAll("tbody tr")[row]?.querySelectorAll("input, select, button");
   const place = ({dataset}) => dataset?.row && {row: Number(dataset.row), column: Number(dataset.column)};
   const focus = ({row, column}) => {
@@ -51,8 +30,8 @@ export function render({model}) {
   });
   root.addEventListener("click", ({target: {dataset}}) => {
     if (!dataset.what) { return; }
-    const row = Number(dataset.row), by = ACTS.find(([what]) => what === dataset.what)?.[3] ?? 0;
-    wanted = {row: row + by, column: dataset.what === "insert" ? 0 : Number(dataset.column ?? 0)};
+    const row = Number(dataset.row);
+    wanted = {row: row + (MOVES[dataset.what] ?? 0), column: dataset.what === "insert" ? 0 : Number(dataset.column ?? 0)};
     model.send_msg({what: dataset.what, row});
   });
   root.addEventListener("keydown", (event) => {
@@ -63,18 +42,9 @@ export function render({model}) {
     focus({row: row + by, column});
   });
   const show = () => {
-    const {rows, refusal, label, help, changed, more, columns} = model.table;
-    const now = JSON.stringify([rows.length, columns, label, changed, more]);
-    const here = wanted ?? (now === shape ? null : place(root.getRootNode().activeElement ?? {}));
-    if (now !== shape) {
-      shape = now;
-      const title = make("h4", {}, label, ...(changed ? [make("span", {class: "dot"})] : []));
-      const back = changed ? [button("back", 0, `Reset ${label}`, "Reset", "text-button back")] : [];
-      const notes = [help, more].filter(Boolean).map((text) => make("p", {class: "help"}, text));
-      const add = () => button("insert", 0, `Add a row to ${label}`, "Add a row", "add text-button");
-      root.replaceChildren(make("div", {class: "table-head"}, title, ...back), ...notes,
-        rows.length ? body(model.table) : add(), error);
-    }
+    const {rows, refusal, columns} = model.table, is_new = body.html !== model.html;
+    const here = wanted ?? (is_new ? place(root.getRootNode().activeElement ?? {}) : null);
+    if (is_new) { body.html = body.innerHTML = model.html; }
     const cells = root.querySelectorAll("input, select");
     rows.flat().forEach((text, k) => {
       const wrong = Boolean(refusal) && refusal.row * columns.length + refusal.column === k && refusal.row >= 0;
@@ -87,7 +57,7 @@ export function render({model}) {
     error.textContent = refusal?.sentence ?? "";
     error.hidden = !refusal;
   };
-  redraw_on(model, ["table", "version"], show);
+  redraw_on(model, ["table", "html", "version"], show);
   show();
   return root;
 }

@@ -57,6 +57,7 @@ CAPTION_PX = 21
 UNDRAWN, COMPUTED = "rj-undrawn", "rj-computing"
 PLACE_CSS = """
 :host { overflow: clip; overflow-clip-margin: 16px; filter: var(--rj-chart-filter, none); }
+:host(.rj-lit) { outline: 2px solid var(--rj-accent); }
 @media (max-width: 899px) { :host(:not(.rj-undrawn)) { height: auto !important; } }
 """
 """On narrow screens a caption may take two lines."""

@@ -39,7 +39,7 @@ TOOLBAR_CSS = """
 :host > .bk-horizontal, :host > .bk-vertical { background: var(--rj-surface); border-color: var(--rj-line2); }
 """
 """The toolbar is invisible until the mouse or the keyboard focus is there; touch screens always show it."""
-TICKS = function("ticks", "tick_words(tick, digits)")
+TICKS = function("numbers", "written(tick, digits, 3)")
 HINT_CSS = ".bk-Panel { background-color: var(--rj-surface); color: var(--rj-ink); }"
 """Notes of the library over a figure, which it would write on white in dark colours too."""
 POINT_CSS = Markup(

@@ -20,6 +20,20 @@ from railjoule.dashboard.workbench import Workbench
 
 UNKNOWN = markup("<span></span><span>{}</span>", words.UNKNOWN)
 UNDER_WAY = markup('<span class="reason">computing ...</span>')
+LIST = """
+<div class="section">Strategies</div>
+<div class="strategy head" aria-hidden="true"><span class="one">this run</span><span class="draw">draw</span>
+<span></span><span></span><span></span><span class="heads"><span>kWh</span><span class="above"></span></span></div>
+{}
+<div class="refusals" role="status"></div>
+<button type="button" class="more" data-open="Set speeds">Adjust set speeds</button>
+"""
+ROW = """
+<div class="strategy" data-name="{name}"><input type="radio" id="{name}" name="this-run" value="{name}">
+<input class="draw" type="checkbox" value="{name}" aria-label="Draw {label}">
+<span class="swatch">{}</span><label class="name" for="{name}">{label}</label><span>{}</span>
+<span class="result"></span></div>
+"""
 PLAIN_SCENARIO = "ftorek-300s"
 """A shipped scenario that every strategy accepts."""
 
@@ -32,7 +46,7 @@ class StrategyList(JSComponent):
     state : Workbench
     """
 
-    strategies = param.List(default=[], doc="Name, label, line and glossary button of each strategy.")
+    html = param.String(default="", doc="The rows, without what changes.")
     chosen = param.String(default="", doc="The strategy of all numbers.")
     ticked = param.List(default=[], doc="The strategies that are drawn.")
     results = param.Dict(default={}, doc="Energy of each strategy with a run, or the reason why it has none, as HTML.")
@@ -46,11 +60,7 @@ class StrategyList(JSComponent):
     _stylesheets = [strategies_css()]  # noqa: RUF012
 
     def __init__(self, state: Workbench) -> None:
-        rows = [
-            {"name": name, "label": label, "swatch": swatch(name), "info": info(label)}
-            for name, label in words.STRATEGY_WORDS.items()
-        ]
-        super().__init__(strategies=rows, sizing_mode="stretch_width", margin=0)
+        super().__init__(html=strategy_rows(words.STRATEGY_WORDS), sizing_mode="stretch_width", margin=0)
         self.state = state
         state.param.watch(self._show, ["runs", "chosen", "ticked", "page", "failure"])
         self._show()
@@ -89,6 +99,13 @@ class StrategyList(JSComponent):
             drawn = {*self.state.ticked, name} if data.get("on") else {*self.state.ticked} - {name}
             # in the order of all, so that the address is the same whatever was ticked first
             self.state.ticked = [other for other in STRATEGIES if other in drawn]
+
+
+def strategy_rows(labels: Mapping[str, str]) -> str:
+    """Return the rows of strategies with these labels, by name."""
+    return LIST.format(
+        joined(markup(ROW, swatch(name), info(label), name=name, label=label) for name, label in labels.items())
+    )
 
 
 def refusal_lines(refused: Mapping[str, str]) -> str:

@@ -10,8 +10,13 @@ from playwright.sync_api import Browser, Page, Route
 
 from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.browser import bar_html
+from railjoule.dashboard.editor.forms import table_html
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
+from railjoule.dashboard.pages.drive.player import Player
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
+from railjoule.dashboard.pages.learn.driven import lesson_html
+from railjoule.dashboard.shell.strategies import strategy_rows
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -121,7 +126,6 @@ EventTarget.prototype.removeEventListener = function (name, listener, options) {
 };
 """
 LISTENED = "Object.assign(EventTarget.prototype, {addEventListener, removeEventListener});"
-ENTRIES = [{"name": name, "place": "bar", "group": group} for name, group in (("Start", ""), ("Drive", "Run"))]
 NUMBER: dict[str, Any] = {
     "label": "Travel time, s",
     "of": "",
@@ -141,32 +145,24 @@ NUMBER: dict[str, Any] = {
     "refusal": "",
     "answers": 0,
 }
-PLAYED = {"title": "", "text": "", "verdict": {}, "refusals": 0, "lead": ""}
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {
         "page": "Start",
-        "entries": ENTRIES,
+        "bar": bar_html(),
+        "pages": ["Start", "Drive"],
+        "bare": [],
         "keyed": ["Start", "Drive"],
-        "brand": "",
         "labels": {"undo": "Undo"},
         "disabled": [],
         "charts_in_sight": [],
         "address": "",
         "progress": None,
     },
-    "drive_it": {
-        **PLAYED,
-        "given": {
-            "mesh": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
-            "timetable_s": 9.0,
-            "tries": 3,
-            "ghost": None,
-        },
-    },
+    "drive_it": {"html": lesson_html(), "sources": {}, "given": {}, "verdict": {}, "refusals": 0, "lead": ""},
     "editor_head": {"status": "", "alert": "", "open": False},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "number_field": NUMBER,
-    "player": {"wanted": False, "run": {}, "train": [], "over_time": False},
+    "player": {"html": Player.param["html"].default, "wanted": False, "run": {}, "train": [], "over_time": False},
 }
 """Properties that each of the listening components needs to be drawn."""
 
@@ -196,7 +192,7 @@ def test_a_tick_outlasts_numbers_that_come_before_its_answer(page: Page) -> None
     code = f"""
       {MODEL}
       const host = shown(m.render({{model}}));
-      const [one, two] = host.querySelectorAll("input.draw"), [first, second] = host.querySelectorAll("input.one");
+      const [one, two] = host.querySelectorAll("input.draw"), [first, second] = host.querySelectorAll("[type=radio]");
       const state = () => [one.checked, two.checked, first.checked, second.checked];
       const seen = [];
       two.click();
@@ -213,8 +209,8 @@ def test_a_tick_outlasts_numbers_that_come_before_its_answer(page: Page) -> None
       seen.push(state());
       return [told.map((message) => message.kind), ...seen];
     """
-    names = [{"name": name, "label": name, "swatch": "", "info": ""} for name in "ab"]
-    start = {"strategies": names, "chosen": "a", "ticked": [], "results": {}, "above": "", "unknown": "", "draws": True}
+    html = strategy_rows({"a": "a", "b": "b"})
+    start = {"html": html, "chosen": "a", "ticked": [], "results": {}, "above": "", "unknown": "", "draws": True}
     start |= {"hidden": [], "refusals": ""}
     assert run(page, "strategies", code, start) == [
         ["draw", "choose"],
@@ -328,7 +324,14 @@ def test_typed_decimals_are_shown_and_computed_ones_rounded(page: Page, number: 
 
 def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
     columns = [{"key": key, "label": key, "kind": "number", "help": ""} for key in ("length", "gradient")]
-    table = {"columns": columns, "rows": [["1", "2"], ["3", "4"]], "label": "Sections", "help": "", "more": ""}
+    table = {
+        "columns": columns,
+        "rows": [["1", "2"], ["3", "4"]],
+        "label": "Sections",
+        "help": "",
+        "more": "",
+        "changed": False,
+    }
     code = f"""
       {MODEL}
       const host = shown(m.render({{model}})), inputs = [...host.querySelectorAll("input[type=text]")];
@@ -340,7 +343,7 @@ def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
       host.querySelector("[aria-label='Remove row 2']").click();
       return {{now, told, names: inputs.map((input) => input.ariaLabel)}};
     """
-    seen = run(page, "table_form", code, {"table": table, "version": 0})
+    seen = run(page, "table_form", code, {"table": table, "html": table_html(table), "version": 0})
     assert seen["now"] == 2
     assert seen["told"] == [{"what": "cell", "row": 1, "column": 1, "text": "5"}, {"what": "remove", "row": 1}]
     assert seen["names"] == ["length, row 1", "gradient, row 1", "length, row 2", "gradient, row 2"]
@@ -364,7 +367,7 @@ def test_numbers_as_people_read_them(page: Page, value: float, digits: tuple[int
 
 
 def test_a_tick_has_its_digits_and_more_where_it_needs_them(page: Page) -> None:
-    told = run(page, "ticks", "return a.map((tick) => m.tick_words(tick, 1))", [-2000, 0.5, 0.125])
+    told = run(page, "numbers", "return a.map((tick) => m.written(tick, 1, 3))", [-2000, 0.5, 0.125])
     assert told == ["\u22122\u202f000.0", "0.5", "0.125"]
 
 
@@ -542,11 +545,11 @@ def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> 
         speed2.push(m.next_speed2(a.mesh, i, speed2[i], command));
         sum = m.with_cell(a.mesh, sum, i, speed2[i], speed2[i + 1]);
       });
-      return {speed2, sum, written: m.written(commands)};
+      return {speed2, sum, letters: m.in_letters(commands)};
     """
     found = run(page, "driving", code, {"commands": commands.tolist(), "mesh": mesh_arrays(mesh)})
     account, sum_ = driven.energy, found["sum"]
-    assert found["written"] == text
+    assert found["letters"] == text
     assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
     assert sum_["time"] == pytest.approx(driven.travel_time_s, rel=1e-6)
     wanted = {
@@ -562,6 +565,24 @@ def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> 
         assert sum_[name] == pytest.approx(energy, rel=1e-6, abs=1e-4 * J_PER_KWH), name
 
 
+def test_a_train_goes_on_in_the_cell_that_it_is_in(page: Page) -> None:
+    """By many small steps or a few: the account between two nodes grows up to that of the next."""
+    code = """
+      const trip = m.set_off(a), ends = m.set_off(a), energies = [];
+      for (let k = 0; k < 50; k++) { trip.drive(0.1, () => m.POWER); energies.push(trip.now().sum.drawn); }
+      ends.drive(5, () => m.POWER);
+      const there = trip.now(), at_once = ends.now();
+      while (!trip.has_arrived()) { trip.drive(10, () => m.POWER); }
+      return {energies, there, at_once, cells: trip.run.commands.length, end: trip.now().at};
+    """
+    mesh = mesh_arrays(lesson()[1])
+    found = run(page, "driving", code, mesh)
+    assert found["energies"] == sorted(found["energies"])
+    assert found["there"]["at"] == pytest.approx(found["at_once"]["at"])
+    assert found["there"]["sum"] == pytest.approx(found["at_once"]["sum"])
+    assert (found["cells"], found["end"]) == (len(mesh["length"]), mesh["position"][-1])
+
+
 def test_a_ghost_is_where_the_run_was_at_the_time(page: Page) -> None:
     """At a node, within a cell with the speed rising evenly over time, and at the end."""
     code = "return a.times.map((time) => m.place_at(a.mesh, a.run, time));"
@@ -570,7 +591,7 @@ def test_a_ghost_is_where_the_run_was_at_the_time(page: Page) -> None:
         "run": {"times": [0, 2, 4], "speeds": [0, 10, 10]},
         "times": [0, 1, 2, 3, 9],
     }
-    found = run(page, "drive_it", code, given)
+    found = run(page, "driving", code, given)
     assert [one["at"] for one in found] == pytest.approx([0, 2.5, 10, 20, 30])
     assert [one["speed"] for one in found] == pytest.approx([0, 5, 10, 10, 10])
 

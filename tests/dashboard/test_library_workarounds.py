@@ -57,21 +57,14 @@ def script(name: str) -> str:
     return (SCRIPTS / f"{name}.js").read_text(encoding="utf-8")
 
 
-def needed_names() -> list[str]:
-    """Return the names that assets/scripts/repairs.js checks before it changes them."""
-    calls = re.findall(r"needed\(\s*\w+,([^()]*)\)", script("repairs"))
-    return sorted({name for call in calls for name in re.findall(r'"(\w+)"', call)})
-
-
 def test_the_repairs_in_the_browser_find_all_that_they_change() -> None:
-    sources = [*(PANEL / "models").glob("*.ts"), BOKEH / "server" / "static" / "js" / "bokeh.js"]
-    text = "\n".join(source.read_text(encoding="utf-8") for source in sources)
-    names = needed_names()
-    assert {"set_visuals", "initialize"} <= set(names)
-    missing = [name for name in names if not re.search(rf"\b{name}\(.*\).*{{", text)]
-    assert missing == []
-    assert "press_threshold" in text
-    assert "_get_css_value" in text
+    repaired = re.findall(r'repair\("([^"]+)", "(\w+)", "(\w+)"', script("repairs"))
+    assert len(repaired) == 4
+    text = (BOKEH / "server" / "static" / "js" / "bokeh.js").read_text(encoding="utf-8")
+    for module, kind, name in repaired:
+        body = text.partition(f"/* {module}.js */")[2].partition("\n},\n")[0]
+        assert f"class {kind} " in body
+        assert re.search(rf"^ +{name}\(.*\) {{$|^ +async {name}\(", body, re.MULTILINE), name
 
 
 def test_a_page_follows_the_process_unless_it_is_kept_from_it() -> None:

@@ -198,9 +198,30 @@ input { flex: 1 1 140px; min-width: 100px; height: 24px; margin: 0; accent-color
 """
 
 
+READOUTS = (
+    ("time", "s", 1, ""),
+    ("position", "m", 0, ""),
+    ("speed", "km/h", 1, ""),
+    ("power", "MW", 2, "stepped"),
+    ("current", "A", 0, "stepped"),
+    ("energy", "kWh", 2, ""),
+)
+"""Column, unit and digits of each number, and whether it is constant in each cell."""
+NUMBER = '<span><b data-quantity="{0}" data-digits="{2}" data-stepped="{3}">\u2013</b> {1}</span>'
+BAR = """
+<button type="button">Play</button>
+<select aria-label="Pace"><option value="1">1\u00d7</option><option value="4">4\u00d7</option>
+<option value="10">10\u00d7</option></select>
+<input type="range" min="0" max="1" step="1" value="0" aria-label="Time of the run, s">
+<span class="readouts idle">{}</span>
+"""
+"""The numbers have their place before there is a run to play."""
+
+
 class Player(JSComponent):
     """The bar; the browser requests the run before it is played."""
 
+    html = param.String(default=BAR.format("".join(NUMBER.format(*one) for one in READOUTS)), doc="The bar.")
     wanted = param.Boolean(default=False, doc="Whether the browser needs the columns of the run.")
     run = param.Dict(default={}, doc="The quantities over time, and when each instruction begins.")
     train = param.List(default=[], doc="The sources of the train in the figures of speed and track, by id.")

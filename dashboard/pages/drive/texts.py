@@ -1,11 +1,8 @@
 """Texts of Drive: the numbers of the actual run, the causes of its extra energy, the proof, and the driver's card."""
 
-from functools import cache
-from importlib.resources import files
 from itertools import accumulate
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined, Template
 from markupsafe import Markup
 
 from railjoule.core import Trajectory
@@ -18,6 +15,7 @@ from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.templates import template
 from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.pages.drive.compute import Answer
 from railjoule.dashboard.parts.html import (
@@ -267,12 +265,6 @@ COLUMN_LINES = 9
 """Up to so many instructions stand in one column."""
 
 
-@cache
-def _template() -> Template:
-    text = (files("railjoule.assets") / "templates" / "driver_card.html").read_text(encoding="utf-8")
-    return Environment(autoescape=True, undefined=StrictUndefined).from_string(text)
-
-
 def driver_card(run: Trajectory, note: str = "") -> str:
     """Return the advice with its times on a page to print, which needs no network; `note` is a sentence at its foot."""
     scenario, groups = run.scenario, words.instruction_groups(run.advice)
@@ -287,7 +279,7 @@ def driver_card(run: Trajectory, note: str = "") -> str:
         return " ".join(f"{one:.1f},{other:.1f}" for one, other in zip(x, y, strict=True))
 
     rows = max(len(texts) if len(texts) <= COLUMN_LINES else (len(texts) + 1) // 2, len(stops))
-    return _template().render(
+    return template("driver_card").render(
         title=words.title(scenario.title),
         train=words.subtitle(run.distance_m, scenario.vehicle),
         departure=clock(0.0),

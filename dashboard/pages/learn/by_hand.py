@@ -1,11 +1,9 @@
-"""The lesson that is driven: its component, the line for the browser, and the comparison of a try with the optimum."""
+"""The lesson that is driven: the line for the browser, and the comparison of a try with the optimum."""
 
-from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
-import param
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
 from railjoule.core.arrays import IntArray
@@ -13,7 +11,7 @@ from railjoule.core.drive.geared import BRAKING_EFFICIENCY, TRACTION_EFFICIENCY
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import braking_envelope
-from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.simulation.manual import (
     WALKING_PACE_MS,
     drive_manually,
@@ -22,20 +20,12 @@ from railjoule.core.simulation.manual import (
     require_drivable,
 )
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.markup import Markup, joined, markup
-from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.look.theme import played_css
 from railjoule.dashboard.pages.learn.verdict import (
     FASTER,
     MORE,
-    PLAYED_TEXTS,
     Verdict,
-    best_try,
     compare,
-    details,
-    outcome,
 )
 
 PRESET = "metro-with-limit"
@@ -82,7 +72,14 @@ def begin(text: str) -> dict[str, Any]:
     scenario, mesh = lesson()
     run = driven_run(text) if text else None
     ghost = run and {"times": run.time_s.tolist(), "speeds": run.speed_ms.tolist()}
-    return {"mesh": mesh_arrays(mesh), "timetable_s": scenario.travel_time_s, "tries": TRIES, "ghost": ghost}
+    heights = np.interp(mesh.position_m, section_borders(scenario.line), height_profile(scenario.line))
+    return {
+        "mesh": mesh_arrays(mesh),
+        "heights": heights.tolist(),
+        "timetable_s": scenario.travel_time_s,
+        "tries": TRIES,
+        "ghost": ghost,
+    }
 
 
 def judge(text: str) -> Verdict:
@@ -120,113 +117,32 @@ def mesh_arrays(mesh: MeshedLine) -> dict[str, Any]:
     Raises
     ------
     ScenarioError
-        If its drive has no constant efficiency, or `railjoule.core.simulation.manual` does not take the meshed line.
+        If the train is not as simple as the script: a constant efficiency, no limit but force and power, no friction
+        brakes, no auxiliaries, and a resistance without a linear part; or as `require_drivable`.
     """
     data = mesh.data
     require_drivable(mesh)
-    if data.drive_kind != CONSTANT_EFFICIENCY:
-        raise ScenarioError("The lesson needs a drive with a constant efficiency.")
-    if data.starting_n > 0:
-        raise ScenarioError("The lesson needs a train without starting resistance.")
+    quadratic = np.unique(data.resistance_quadratic)
+    missing = (data.starting_n, data.resistance_linear, data.friction_effort_n, data.auxiliary_power_w)
+    unlimited = (data.braking.power_w, data.max_acceleration_ms2, data.max_deceleration_ms2)
+    tables = len(data.traction.table) + len(data.braking.table) + len(quadratic) - 1
+    if data.drive_kind != CONSTANT_EFFICIENCY or any(missing) or np.any(np.isfinite(unlimited)) or tables:
+        raise ScenarioError("The lesson needs a train of constant efficiency that only force and power limit.")
     return {
         "position": mesh.position_m.tolist(),
         "length": data.cell_length_m.tolist(),
         "constant": (data.resistance_constant_n + data.line_force_n).tolist(),
         "running_constant": data.resistance_constant_n,
-        "linear": data.resistance_linear,
-        "quadratic": np.asarray(data.resistance_quadratic).tolist(),
+        "quadratic": float(quadratic[0]),
         "gradient": mesh.gradient_force_n.tolist(),
-        "limit": mesh.cell_limit_ms.tolist(),
         "highest2": braking_envelope(mesh).tolist(),
         "entering2": max(float(data.fixed_speed2[0]), 0.0),
         "pace2": WALKING_PACE_MS**2,
         "half_inertia": data.half_inertia_kg,
-        "traction": _limit(data.traction),
-        "braking": _limit(data.braking),
-        "friction": data.friction_effort_n,
-        "most_acceleration": _finite(data.max_acceleration_ms2),
-        "most_deceleration": _finite(data.max_deceleration_ms2),
-        "auxiliary": data.auxiliary_power_w,
+        "traction": data.traction.constant_n,
+        "power": data.traction.power_w,
+        "braking": data.braking.constant_n,
         "driving_efficiency": float(data.drive_parameters[TRACTION_EFFICIENCY]),
         "braking_efficiency": float(data.drive_parameters[BRAKING_EFFICIENCY]),
         "recuperated": data.recuperation_factor,
     }
-
-
-def _limit(limit: EffortLimit) -> dict[str, Any]:
-    return {"constant": limit.constant_n, "power": _finite(limit.power_w), "table": limit.table.tolist()}
-
-
-def _finite(value: float) -> float | None:
-    """Return a number that JSON can hold: None for one that is infinite."""
-    return float(value) if np.isfinite(value) else None
-
-
-# ---- on the page
-
-
-class DriveIt(Form):
-    """The lesson, driven in the browser and judged by the server.
-
-    Parameters
-    ----------
-    field : str
-        The field of the page that holds what was driven last.
-    hear : callable
-        Called with the field, what the browser reports, and the text of what was driven.
-    """
-
-    _esm = module("drive_it")
-
-    title = param.String(default="", doc="Its heading.")
-    text = param.String(default="", doc="The task of the lesson.")
-    given = param.Dict(default={}, doc="Initial data of the lesson.")
-    verdict = param.Dict(default={}, doc="How what was played compares with the best; empty before the first time.")
-    refusals = param.Integer(default=0, doc="Counts what could not be judged.")
-    lead = param.String(default="", doc="The lesson that a link leads to.")
-
-    def __init__(self, field: str, hear: Callable[[str, str, str], None]) -> None:
-        texts = PLAYED_TEXTS[field]
-        super().__init__(
-            lambda message: hear(field, str(message.get("what", "")), str(message.get("text", ""))),
-            title=texts["title"],
-            text=texts["text"],
-            css_classes=[f"rj-lesson-{field}"],
-            stylesheets=[played_css()],
-        )
-
-    @property
-    def view(self) -> "DriveIt":
-        """The part of the page."""
-        return self
-
-    def begin(self, given: dict[str, Any]) -> None:
-        """Begin with what the module of the lesson returns."""
-        self.given = given
-
-    def refuse(self) -> None:
-        """Accept input again after a failed verdict."""
-        self.refusals += 1
-
-    def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:
-        """Show a verdict, beside the tries so far where they are counted."""
-        best = best_try(tries)
-        self.verdict = {
-            **verdict.curves,
-            "head": str(outcome(verdict) + buttons(verdict, tries)),
-            "details": str(details(verdict, tries)),
-            "tried": len(tries),
-            "note": f"best of your tries {words.energy(best.kwh)}" if best else "",
-            # the same may be judged twice, and only a difference is sent to the browser
-            "count": self.verdict.get("count", 0) + 1,
-        }
-
-
-def buttons(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
-    """Return the buttons that lead on from a verdict."""
-    plain, left = Markup(""), TRIES - len(tries)
-    again = f"Drive again ({left} left)" if left else "Begin again with three tries"
-    open_it = PLAYED_TEXTS[verdict.field]["open"]
-    made = (("again", again, plain), ("watch", "Watch your run", plain), ("open", open_it, Markup(" class=main")))
-    pieces = (markup("<button type=button data-what={}{}>{}</button>", what, kind, label) for what, label, kind in made)
-    return markup("<div class=row>{}</div>", joined(pieces))

@@ -6,17 +6,21 @@ from typing import Any
 
 import numpy as np
 
+from railjoule.core import Scenario
 from railjoule.core.studies.steady import SteadySpeeds
 from railjoule.core.studies.tradeoff import Frontier
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
 from railjoule.dashboard.charts.chart import axis_line
 from railjoule.dashboard.charts.dress import text_style
+from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import AnyPlot, CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import SPEED
 from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, data_range
+from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
 
@@ -31,6 +35,9 @@ STEEPEST_SHARE = 0.03
 MOST_KMH = 80.0
 TIME_TITLE = "Travel time, s"
 HEADROOM = 1.12
+TOP_SHARE, STRIP_KMH = 1.15, 3.0
+"""The upper end of the speeds over the highest limit, and the height of a strip of phases or commands."""
+DISTANCE = "Distance, m"
 
 
 def draw_speeds(chart: RunLines, result: LessonResult, revealed: bool = True) -> None:
@@ -174,3 +181,39 @@ FIGURES: Mapping[str, tuple[AnyPlot, ...]] = {
     for lesson in LESSONS
 }
 """The figures of each lesson; that of the speeds is the first."""
+
+
+class LessonSpeedChart(LoneChart):
+    """Speeds over the distance of the line of a lesson, below its limits.
+
+    Parameters
+    ----------
+    name, caption, height, palette
+        As in `LoneChart`.
+    scenario : Scenario
+        The lesson's.
+    """
+
+    x_title = DISTANCE
+
+    def __init__(self, name: str, caption: str, scenario: Scenario, height: int, palette: Palette) -> None:
+        super().__init__(name, caption, height, palette)
+        self.limits = limits_of(scenario)
+        self.set_ranges((0, float(self.limits[0][-1])), (0, TOP_SHARE * float(np.max(self.limits[1]))))
+
+    def build(self) -> None:
+        """Make the figure, with the limits."""
+        self.frame(x_title=self.x_title)
+        add_limits(self)
+        self.signs("signs", "limit", x_offset=4, y_offset=-2)
+
+    def add_strip(self, name: str, token: str = "", **style: Any) -> None:
+        """Add a strip of stretches along the way, in one colour or in those of the column `fill`."""
+        sides, paint = ("left", "right", 0, STRIP_KMH), {"fill_color": token} if token else {}
+        self.glyphs("quad", name, *sides, paint=paint, line_color=None, **style)
+
+    def draw_limits(self) -> None:
+        """Draw the limits, and their numbers."""
+        borders, limits = self.limits
+        draw_limits(self, borders, limits)
+        self.put("signs", **xy(borders[:-1], limits), text=[f"limit {words.number(limit, 0)}" for limit in limits])

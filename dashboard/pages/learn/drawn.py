@@ -16,12 +16,12 @@ from railjoule.core.simulation.manual import drive_drawn
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.axis import columns, xy
 from railjoule.dashboard.charts.dress import dragged
-from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.plot import DASHED, Plot, Stroke
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import joined, markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.typed import clock
+from railjoule.dashboard.pages.learn.charts import DISTANCE, LessonSpeedChart
 from railjoule.dashboard.pages.learn.lessons import TEXTS
 from railjoule.dashboard.pages.learn.verdict import FASTER, MORE, PLAYED_TEXTS, ROOM, SMALL, Judged, Verdict, compare
 from railjoule.dashboard.parts import html as parts
@@ -157,15 +157,11 @@ def _pace_and_energy(run: Trajectory, start_m: float, end_m: float) -> tuple[flo
 # ---- the figures
 
 TYPED_CSS = ":host { display: flex; flex-flow: row wrap; gap: 4px 12px; } :host > * { flex: 0 1 170px; margin: 0; }"
-TOP_KMH, STRIP_KMH = 92.0, 3.0
-"""The upper end of the speeds, and the height of the strip of the phases."""
 SPEEDS: Mapping[str, Stroke] = {
-    "limit": Stroke("limit", {"line_width": 1.2}),
     "drawn": Stroke("ink3", DASHED),
     "best": Stroke("accent", {"line_width": 2.6}),
     "run": Stroke("ink"),
 }
-DISTANCE = "Distance, m"
 HEIGHT = Plot("drawn_height", "Track: height, m", {"height": Stroke("groundline")}, (110, 120, 110), DISTANCE)
 ABOVE = Plot(
     "drawn_above", "Energy above the best, kWh", {"above": Stroke("overline")}, (120, 130, 120), DISTANCE, zero=True
@@ -173,20 +169,21 @@ ABOVE = Plot(
 Points = tuple[int, ...]
 
 
-class DrawnSpeedChart(LoneChart):
+class DrawnSpeedChart(LessonSpeedChart):
     """Speeds over the distance; a press or a drag draws one, and `drop` takes its points once the hand is away."""
 
     drop: Callable[[Points], None]
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("drawn_speed", "Speed, km/h: press and draw", height, palette)
-        self.set_ranges((0, float(drawing_lesson()[1].position_m[-1])), (0, TOP_KMH))
+        super().__init__("drawn_speed", "Speed, km/h: press and draw", drawing_lesson()[0], height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(x_title=DISTANCE)
+        super().build()
+        f = self.figure
+        assert f is not None
         self.source("phases", "left", "right", "fill")
-        self.glyphs("quad", "phases", "left", "right", 0, STRIP_KMH, paint={}, fill_color="fill", line_color=None)
+        self.add_strip("phases", fill_color="fill")
         for name, stroke in SPEEDS.items():
             self.line(name, stroke.token, **stroke.style)
         dropped = self.source("dropped", "y")
@@ -200,14 +197,8 @@ class DrawnSpeedChart(LoneChart):
 
     def draw(self, points: Points, run: Trajectory | None, best_ms: Sequence[float] = ()) -> None:
         """Draw a drawing, and the runs that there are."""
-        mesh = drawing_lesson()[1]
-        places, cells = mesh.position_m, np.arange(mesh.cell_count)
-        self.put(
-            "limit",
-            **xy(
-                places[np.repeat(cells, 2) + np.tile([0, 1], len(cells))], np.repeat(mesh.cell_limit_ms, 2) / MS_PER_KMH
-            ),
-        )
+        places = drawing_lesson()[1].position_m
+        self.draw_limits()
         # not by `put`: the browser has moved these points unseen
         self.sources["drawn"].data = {"x": np.linspace(0, places[-1], POINTS).tolist(), "y": list(points)}
         self.put("best", **xy(places[: len(best_ms)], np.asarray(best_ms) / MS_PER_KMH))

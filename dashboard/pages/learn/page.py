@@ -13,12 +13,13 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.learn import by_hand, drawn, shared
-from railjoule.dashboard.pages.learn.by_hand import LESSON_CHANGES, PRESET, TRIES, DriveIt, best_run, driven_run
+from railjoule.dashboard.pages.learn.by_hand import LESSON_CHANGES, PRESET, TRIES, best_run, driven_run
 from railjoule.dashboard.pages.learn.charts import FIGURES
 from railjoule.dashboard.pages.learn.class_view import CLASS_GUESSES, CLASS_RUNS, ClassView
 from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Classroom, Watcher
 from railjoule.dashboard.pages.learn.compute import compute_lessons
 from railjoule.dashboard.pages.learn.drawn import DRAWN_PLOTS, POINTS, DrawSpeed, drive_drawing
+from railjoule.dashboard.pages.learn.driven import BY_HAND_PLOTS, DriveIt
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
 from railjoule.dashboard.pages.learn.shared import ShareOut
@@ -59,7 +60,13 @@ class Learn(Page):
     page = "Learn"
     kept = (*NAMES, *GUESSES, "lesson", *PLAYED, "class_token", "class_student", "class_name", "class_key")
     passing = (*DRAFTS, "asked", "sketch", "place_percent", "class_lesson", "class_best", "class_refusal")
-    figures = (*(plot for plots in FIGURES.values() for plot in plots), CLASS_RUNS, CLASS_GUESSES, *DRAWN_PLOTS)
+    figures = (
+        *BY_HAND_PLOTS,
+        *(plot for plots in FIGURES.values() for plot in plots),
+        CLASS_RUNS,
+        CLASS_GUESSES,
+        *DRAWN_PLOTS,
+    )
     # lessons have scenarios of their own: their results hold whatever becomes of the one beside the pages
     follows_scenario = False
 
@@ -231,7 +238,7 @@ class Learn(Page):
     def layout(self) -> Viewable:
         """Make the lessons and the class, and return them laid out."""
         self.played: Mapping[str, Any] = {
-            "driven": DriveIt("driven", self.hear),
+            "driven": DriveIt("driven", self),
             "shared": ShareOut("shared", self.hear),
             "drawn": DrawSpeed("drawn", self),
         }

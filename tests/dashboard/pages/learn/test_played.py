@@ -10,7 +10,7 @@ from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.manual import require_drivable
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.keep.pins import run_again
-from railjoule.dashboard.pages.learn.by_hand import PRESET, best_run, driven_run, judge
+from railjoule.dashboard.pages.learn.by_hand import PRESET, best_run, driven_run, judge, mesh_arrays
 from railjoule.dashboard.pages.learn.verdict import best_try, details, outcome
 from railjoule.dashboard.state.pins import KeptPin
 
@@ -35,7 +35,7 @@ def learn() -> Any:
 def test_a_try_is_judged_kept_and_counted(learn: Any) -> None:
     lesson = learn.played["driven"]
     assert lesson.verdict == {}
-    assert set(lesson.given) == {"mesh", "timetable_s", "tries", "ghost"}
+    assert set(lesson.given) == {"mesh", "heights", "timetable_s", "tries", "ghost"}
     for number in (1, 2, 3):
         learn.hear("driven", "done", COMMANDS)
         # the same try again is one more
@@ -148,3 +148,8 @@ def test_a_drawing_is_driven_and_typed_and_its_verdict_goes_with_it(learn: Any) 
 def test_stations_cannot_be_driven_by_hand() -> None:
     with pytest.raises(ScenarioError, match="without stops on the way"):
         require_drivable(build_meshed_line(load_scenario("metro-10-stations")))
+
+
+def test_the_lesson_is_for_a_simple_train() -> None:
+    with pytest.raises(ScenarioError, match="constant efficiency that only force and power limit"):
+        mesh_arrays(build_meshed_line(load_scenario("ftorek-300s")))
