@@ -12,6 +12,7 @@ from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, s
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.phases import PhaseName
+from railjoule.core.scenario import Line
 from railjoule.core.simulation.manual import drive_drawn
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.axis import columns, xy
@@ -162,7 +163,25 @@ SPEEDS: Mapping[str, Stroke] = {
     "best": Stroke("accent", {"line_width": 2.6}),
     "run": Stroke("ink"),
 }
-HEIGHT = Plot("drawn_height", "Track: height, m", {"height": Stroke("groundline")}, (110, 120, 110), DISTANCE)
+
+
+def add_ground(chart: Any) -> None:
+    """Add the area below the height of the track."""
+    chart.glyphs("varea", "ground", "x", "low", "high", paint={"fill_color": "ground"}).level = "underlay"
+
+
+def draw_ground(chart: Any, line: Line, x_ends: tuple[float, float] | None = None) -> None:
+    """Draw the height of a line, and the area below it."""
+    x, y = section_borders(line), height_profile(line)
+    chart.draw_curves({"height": (x, y)}, x_ends=x_ends)
+    chart.put("ground", **columns(x=x, low=np.full(len(x), chart.y_range.start), high=y))
+
+
+HEIGHT = Plot(
+    *("drawn_height", "Track: height, m", {"height": Stroke("groundline")}, (110, 120, 110), DISTANCE),
+    layers=(add_ground,),
+    draws=draw_ground,
+)
 ABOVE = Plot(
     "drawn_above", "Energy above the best, kWh", {"above": Stroke("overline")}, (120, 130, 120), DISTANCE, zero=True
 )
@@ -275,7 +294,7 @@ class DrawSpeed(Judged):
         if run is None:
             return
         line = run.scenario.line
-        draw([HEIGHT], {"height": (section_borders(line), height_profile(line))})
+        draw([HEIGHT], line)
         if verdict:
             draw([ABOVE], {"above": (run.position_m, np.asarray(verdict.curves["above_kwh"]))})
         spare = TARGET_S - run.travel_time_s

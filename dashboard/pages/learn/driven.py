@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import param
 
-from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
@@ -19,9 +18,10 @@ from railjoule.dashboard.look.templates import template
 from railjoule.dashboard.look.theme import played_css
 from railjoule.dashboard.look.tokens import variable
 from railjoule.dashboard.pages.learn.by_hand import TRIES, lesson
-from railjoule.dashboard.pages.learn.charts import LessonSpeedChart
+from railjoule.dashboard.pages.learn.charts import STRIP_KMH, LessonSpeedChart
 from railjoule.dashboard.pages.learn.drawn import ABOVE as DRAWN_ABOVE
 from railjoule.dashboard.pages.learn.drawn import HEIGHT as DRAWN_HEIGHT
+from railjoule.dashboard.pages.learn.drawn import add_ground, draw_ground
 from railjoule.dashboard.pages.learn.verdict import PLAYED_TEXTS, ROOM, Verdict, best_try, details, outcome
 from railjoule.dashboard.parts import html as parts
 
@@ -49,6 +49,8 @@ ENERGIES = (
     ("drawn", "Drawn from the supply", "ink"),
 )
 """Name, label and colour of the parts of a run's energy."""
+ROOM_SHARE = 0.012
+"""Of the line, beyond its ends."""
 
 
 class ByHandChart(LessonSpeedChart):
@@ -58,6 +60,8 @@ class ByHandChart(LessonSpeedChart):
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("by_hand_speed", "Speed, km/h", lesson()[0], height, palette)
+        # room for the mark of a train that stands at an end
+        self.set_ranges(x_ends(), (-STRIP_KMH, float(self.y_range.end)))
 
     def build(self) -> None:
         """Make the figure."""
@@ -79,15 +83,21 @@ class ByHandChart(LessonSpeedChart):
         tell(**{name: source.id for name, source in self.sources.items()})
 
 
+def x_ends() -> tuple[float, float]:
+    """Return the ends of the axis of places [m], with room for the mark of a train."""
+    length = lesson()[0].line.length_m
+    return -ROOM_SHARE * length, (1 + ROOM_SHARE) * length
+
+
 def draw_height(chart: Any, tell: Callable[..., None]) -> None:
     """Draw the height of the track, and name the sources of the trains on it."""
-    line = lesson()[0].line
-    chart.draw_curves({"height": (section_borders(line), height_profile(line))})
+    draw_ground(chart, lesson()[0].line, x_ends())
     tell(**{name: chart.sources[name].id for name in ("on_track", "ghost_on_track")})
 
 
 def add_trains(chart: Any) -> None:
-    """Add the marks of the train and of the run to race."""
+    """Add the ground, and the marks of the train and of the run to race."""
+    add_ground(chart)
     chart.dots("ghost_on_track", "accent", size=9, marker="square")
     chart.dots("on_track", "ink", size=9, marker="square")
 
@@ -160,9 +170,8 @@ class DriveIt(Form):
         """Show a verdict beside the tries so far."""
         best = best_try(tries)
         self.above.visible = True
-        self._draw(
-            [ABOVE], {"above": (np.asarray(self.given["mesh"]["position"]), np.asarray(verdict.curves["above_kwh"]))}
-        )
+        place, above = np.asarray(self.given["mesh"]["position"]), np.asarray(verdict.curves["above_kwh"])
+        self._draw([ABOVE], {"above": (place, above)}, x_ends=x_ends())
         self.verdict = {
             **verdict.curves,
             "head": str(outcome(verdict) + buttons(verdict, tries)),
