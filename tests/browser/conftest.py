@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, BrowserContext, expect, sync_playwright
 
 from browser.chromium import ARGUMENTS, browser_path
 from browser.server import Server, serving
-from browser.user import User
+from browser.user import DRIVE, User
 
 expect.set_options(timeout=60_000)
 
@@ -29,7 +29,11 @@ MESSAGE_OF_CLOSED_PAGE = re.compile(
     r".*assert self\._session is not None\n.*\nAssertionError\n",
     re.MULTILINE,
 )
-"""Bokeh's report of a message that arrives as its page is closed (bokeh/server/session.py); nothing is lost."""
+"""Bokeh's report of a message that arrives as its page is closed; nothing is lost.
+
+A ping that finds the websocket closed lets Bokeh forget the session (https://github.com/bokeh/bokeh/pull/13655) before
+the end of the connection is handled, and that end, or a message that waited, asks for the session.
+"""
 
 
 @pytest.fixture(scope="package")
@@ -81,8 +85,20 @@ def phone(chromium: Browser) -> Iterator[BrowserContext]:
     context.close()
 
 
-@pytest.fixture(scope="module")
-def user(request: pytest.FixtureRequest, server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user for all tests of a file, who begins with the file's `LINK`, or on Drive."""
-    with User.on(window, server.url + getattr(request.module, "LINK", "?v=1&page=Drive")) as someone:
+@pytest.fixture(scope="package")
+def opened(server: Server, window: BrowserContext) -> Iterator[User]:
+    """The window of all tests that need none of their own."""
+    with User.on(window, server.url + DRIVE) as someone:
         yield someone
+
+
+@pytest.fixture(scope="module")
+def user(request: pytest.FixtureRequest, opened: User) -> Iterator[User]:
+    """One user for all tests of a file, who begins with the file's `LINK`, or on Drive."""
+    failed = request.session.testsfailed
+    opened.go(getattr(request.module, "LINK", DRIVE))
+    yield opened
+    if request.session.testsfailed > failed:
+        # nothing that a test has left open stands before the next file
+        opened.load()
+    opened.check()

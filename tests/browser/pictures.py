@@ -14,7 +14,6 @@ from browser.user import User
 
 FOLDER = Path(__file__).parents[2] / "assets" / "pictures"
 PAGES = ("Drive", "Motor")
-SETTLE_MS = 6000
 SIZE = (1280, 860)
 
 
@@ -28,9 +27,7 @@ def take_picture(context: BrowserContext, server: Server, name: str, dark: bool)
     with User.on(context, server.drive_url, SIZE, dark) as user:
         if name == "Motor":
             user.choose("Suburban, flat 5 km")
-        if name != "Drive":
-            user.turn_to(name)
-        user.page.wait_for_timeout(SETTLE_MS)
+        user.turn_to(name)
         return user.page.screenshot()
 
 

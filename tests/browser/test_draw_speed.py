@@ -9,6 +9,7 @@ from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.pages.learn.drawing import POINTS, judge
 
+LINK = "?v=1&page=Learn"
 READY_MS = 60_000
 BUTTON = "Show the best run"
 
@@ -28,34 +29,33 @@ def find_canvas(draw: Locator) -> Locator:
     return canvas
 
 
-def test_by_mouse_to_drive(window: BrowserContext, server: Server) -> None:
-    with User.on(window, f"{server.url}?v=1&page=Learn") as user:
-        draw, mouse = lesson(user.page), user.page.mouse
-        # the fastest run, and nothing of the best
-        expect(draw.get_by_text("34.2 s to spare")).to_be_visible()
-        expect(draw.locator(".outcome")).to_have_count(0)
-        box = find_canvas(draw).bounding_box()
-        assert box is not None
-        mouse.move(box["x"] + 60, box["y"] + 90)
-        mouse.down()
-        mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 100, steps=20)
-        mouse.move(box["x"] + 0.95 * box["width"], box["y"] + 160, steps=10)
-        mouse.up()
-        expect(draw.get_by_text("34.2 s to spare")).to_have_count(0)
-        draw.get_by_role("button", name=BUTTON).click()
-        outcome = draw.locator(".outcome")
-        expect(outcome).to_be_visible(timeout=READY_MS)
-        used, bound = re.findall(r"\d+\.\d\d\b", outcome.inner_text())
-        # what the address holds gives the same numbers in the library
-        expect(user.page).to_have_url(re.compile("learn.drawn="))
-        found = re.search(r"learn\.drawn=([\d,]+)", user.page.url)
-        assert found is not None
-        verdict = judge(found[1])
-        assert {used, bound} == {f"{verdict.kwh:.2f}", f"{verdict.bound_kwh:.2f}"}
-        expect(draw.locator("li")).to_have_count(len(verdict.sentences))
-        draw.get_by_role("button", name="Open on Drive").click()
-        expect(user.scenario("Metro, profile III")).to_be_visible()
-        expect(user.figure_value("Energy from the supply")).to_have_text(f"{verdict.bound_kwh:.2f}kWh")
+def test_by_mouse_to_drive(user: User) -> None:
+    draw, mouse = lesson(user.page), user.page.mouse
+    # the fastest run, and nothing of the best
+    expect(draw.get_by_text("34.2 s to spare")).to_be_visible()
+    expect(draw.locator(".outcome")).to_have_count(0)
+    box = find_canvas(draw).bounding_box()
+    assert box is not None
+    mouse.move(box["x"] + 60, box["y"] + 90)
+    mouse.down()
+    mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 100, steps=20)
+    mouse.move(box["x"] + 0.95 * box["width"], box["y"] + 160, steps=10)
+    mouse.up()
+    expect(draw.get_by_text("34.2 s to spare")).to_have_count(0)
+    draw.get_by_role("button", name=BUTTON).click()
+    outcome = draw.locator(".outcome")
+    expect(outcome).to_be_visible(timeout=READY_MS)
+    used, bound = re.findall(r"\d+\.\d\d\b", outcome.inner_text())
+    # what the address holds gives the same numbers in the library
+    expect(user.page).to_have_url(re.compile("learn.drawn="))
+    found = re.search(r"learn\.drawn=([\d,]+)", user.page.url)
+    assert found is not None
+    verdict = judge(found[1])
+    assert {used, bound} == {f"{verdict.kwh:.2f}", f"{verdict.bound_kwh:.2f}"}
+    expect(draw.locator("li")).to_have_count(len(verdict.sentences))
+    draw.get_by_role("button", name="Open on Drive").click()
+    expect(user.scenario("Metro, profile III")).to_be_visible()
+    expect(user.figure_value("Energy from the supply")).to_have_text(f"{verdict.bound_kwh:.2f}kWh")
 
 
 @pytest.mark.nightly

@@ -3,10 +3,9 @@
 import re
 
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
 from browser.findings import assert_nothing_grave
-from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.charts.axis import END_LABEL_SHARE
 
@@ -14,7 +13,7 @@ from railjoule.dashboard.charts.axis import END_LABEL_SHARE
 @pytest.fixture
 def user(user: User) -> User:
     """The user before what a new page shows."""
-    user.begin_anew()
+    user.go()
     return user
 
 
@@ -47,20 +46,6 @@ def test_pinning_a_run(user: User) -> None:
     expect(user.page.locator(".rj-chart-difference")).to_be_hidden()
 
 
-def test_a_strategy_that_refuses_says_why(user: User) -> None:
-    user.page.get_by_label("Draw ENOC").check()
-    expect(user.page.locator(".refusals").get_by_text("ENOC: needs a line without limits.")).to_be_visible()
-    expect(user.page.get_by_label("Draw ENOC")).to_be_hidden()
-
-
-def test_over_time(user: User) -> None:
-    speed = user.picture("speed")
-    user.page.get_by_role("button", name="Time", exact=True).click()
-    user.see_change("speed", speed)
-    user.settled()
-    assert x_range(user)[1] == pytest.approx(170 * (1 + END_LABEL_SHARE), rel=1e-6)
-
-
 def x_range(user: User) -> tuple[float, float]:
     """Return the ends of the axis that all charts share, as the browser has them."""
     script = """() => {
@@ -71,7 +56,7 @@ def x_range(user: User) -> tuple[float, float]:
     return start, end
 
 
-def test_a_zoom_survives_a_slider(user: User) -> None:
+def test_a_zoom_survives_a_slider_and_not_the_axis_of_time(user: User) -> None:
     whole = x_range(user)
     box = user.page.locator(".rj-chart-speed:visible canvas").first.bounding_box()
     assert box is not None
@@ -87,6 +72,11 @@ def test_a_zoom_survives_a_slider(user: User) -> None:
     assert x_range(user) == zoomed
     user.page.mouse.dblclick(box["x"] + 300, middle)
     user.wait_until(lambda: x_range(user) == whole)
+    speed = user.picture("speed")
+    user.page.get_by_role("button", name="Time", exact=True).click()
+    user.see_change("speed", speed)
+    user.settled()
+    assert x_range(user)[1] == pytest.approx(172.5 * (1 + END_LABEL_SHARE), rel=1e-6)
 
 
 def test_one_cursor_through_all_charts(user: User) -> None:
@@ -108,32 +98,30 @@ def test_one_cursor_through_all_charts(user: User) -> None:
 @pytest.mark.nightly
 def test_on_a_slow_machine_slider_number_and_run_stay_together(user: User) -> None:
     """Changes come faster than the page draws them, and it must not send old ones back."""
-    machine = user.page.context.new_cdp_session(user.page)
-    machine.send("Emulation.setCPUThrottlingRate", {"rate": SLOWER})
+    user.slow_down(SLOWER)
     for steps in (20, -12):
         user.push("Travel time, s", steps)
-    machine.send("Emulation.setCPUThrottlingRate", {"rate": 1})
+    user.slow_down(1)
     expect(user.figure_value("Travel time")).to_have_text("174.0s")
     expect(user.page.get_by_label("Travel time, s, as a number", exact=True)).to_have_value("174.0")
     expect(user.slider("Travel time, s")).to_have_value("174")
 
 
-def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(window: BrowserContext, server: Server) -> None:
+def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(user: User) -> None:
     find = """(label) => {
       const name_of = ({html_attributes: a}) => a instanceof Map ? a.get("aria-label") : a["aria-label"];
       const found = Bokeh.index.query(({model}) => model.type === "Figure" && name_of(model) === label);
       const [{model, _render_count}] = [...found];
       return {rests: model.hold_render, painted: _render_count};
     }"""
-    with User.on(window, server.drive_url, size=(1280, 500)) as user:
 
-        def speed() -> dict[str, int]:
-            return dict(user.page.evaluate(find, "Speed, km/h"))
+    def speed() -> dict[str, int]:
+        return dict(user.page.evaluate(find, "Speed, km/h"))
 
-        def power() -> dict[str, int]:
-            return dict(user.page.evaluate(find, "Current or power from the supply"))
+    def power() -> dict[str, int]:
+        return dict(user.page.evaluate(find, "Current or power from the supply"))
 
-        user.page.locator(".rj-chart-current:visible:not(.rj-undrawn)").wait_for(state="attached")
+    with user.resized(1280, 500):
         user.wait_until(lambda: bool(power()["rests"]))
         before = speed()["painted"], power()["painted"]
         user.push("Travel time, s", 2)
@@ -143,31 +131,21 @@ def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(window: BrowserCo
         user.wait_until(lambda: not power()["rests"] and power()["painted"] > before[1])
         # it is in sight again, and follows
         after = power()["painted"]
-        assert after > before[1]
         user.push("Travel time, s", 2)
         user.wait_until(lambda: power()["painted"] > after)
+    user.page.locator(".rj-chart-speed:visible").scroll_into_view_if_needed()
 
 
-def test_simpler_advice_by_mouse_from_start(user: User) -> None:
-    user.turn_to("Start")
-    user.page.get_by_role("button", name="Metro, profile II + I").first.click()
-    user.see_drive()
-    advice = user.page.get_by_role("list", name="Driver\u2019s advice", exact=True)
-    simple, exact = (user.page.get_by_role("button", name=name, exact=True) for name in ("Simple", "Exact"))
-    before = advice.inner_text()
-    simple.click()
-    # the optimum has the limit of 50 km/h to brake for, and an advice for two brakes
-    expect(
-        user.page.get_by_text("No advice with fewer than 7 instructions is within 1 % of the optimum")
-    ).to_be_visible()
-    assert advice.inner_text() == before
+def test_simpler_advice_is_shown_and_pinned(user: User) -> None:
     user.choose("Metro, set speeds, 40 km/h")
+    advice = user.page.get_by_role("list", name="Driver\u2019s advice", exact=True)
+    user.page.get_by_role("button", name="Simple", exact=True).click()
     expect(user.page.get_by_text("5 instructions instead of 8: +0.10 % energy.")).to_be_visible()
     expect(advice.locator("li:has(> b)")).to_have_count(5)
     user.page.get_by_role("button", name="Pin this advice", exact=True).click()
     expect(user.page.get_by_text("Pinned: Simple advice").first).to_be_visible()
     assert_nothing_grave(user)
-    exact.click()
+    user.page.get_by_role("button", name="Exact", exact=True).click()
     # of the strategy that this scenario names
     expect(advice.locator("li:has(> b)")).to_have_count(4)
 

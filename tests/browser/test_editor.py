@@ -140,27 +140,6 @@ def test_a_block_is_pasted_into_a_cell_and_a_bad_cell_keeps_its_text(user: User)
     expect(field(user, "Gradient, \u2030, row 2")).to_have_attribute("aria-invalid", "false")
 
 
-def test_nothing_grave_on_a_narrow_screen(server: Server, window: BrowserContext) -> None:
-    with User.on(window, server.drive_url, size=(390, 900)) as reader:
-        reader.page.locator("header button").first.click()
-        reader.page.get_by_role("button", name="Edit scenario").click()
-        expect(drawer(reader).get_by_role("heading", level=2)).to_be_focused()
-        box = drawer(reader).bounding_box()
-        assert box is not None
-        assert box["width"] == 390
-        for group in ("Vehicle", "Powertrain", "Track", "Disturbance"):
-            open_group(reader, group)
-        expect(field(reader, "Departure delay, s")).to_be_visible()
-        drawer(reader).get_by_role("button", name="Paste a table or open a CSV file").last.click()
-        expect(drawer(reader).get_by_label("Cells of a spreadsheet").last).to_be_visible()
-        enter(reader, "Auxiliary power, kW", "12")
-        enter(reader, "Traction efficiency", "2")
-        expect(field(reader, "Traction efficiency")).to_have_attribute("aria-invalid", "true")
-        expect(drawer(reader).get_by_role("alert").first).to_have_text(re.compile(re.escape("At most 1. Kept: ")))
-        assert_nothing_grave(reader)
-        assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390
-
-
 def height_px(canvas: Locator) -> float:
     box = canvas.bounding_box()
     return 0.0 if box is None else box["height"]
@@ -208,3 +187,26 @@ def test_escape_takes_letters_back_before_it_closes_the_editor(user: User) -> No
     assert opener.evaluate("element => element === element.getRootNode().activeElement")
     expect(drawer(user)).to_be_hidden()
     expect(opener).to_be_focused()
+
+
+def test_nothing_grave_on_a_narrow_screen(user: User) -> None:
+    with user.resized(390, 900):
+        user.page.locator("header button").first.click()
+        user.page.get_by_role("button", name="Edit scenario").click()
+        expect(drawer(user).get_by_role("heading", level=2)).to_be_focused()
+        box = drawer(user).bounding_box()
+        assert box is not None
+        assert box["width"] == 390
+        for group in ("Vehicle", "Powertrain", "Track", "Disturbance"):
+            open_group(user, group)
+        expect(field(user, "Departure delay, s")).to_be_visible()
+        drawer(user).get_by_role("button", name="Paste a table or open a CSV file").last.click()
+        expect(drawer(user).get_by_label("Cells of a spreadsheet").last).to_be_visible()
+        enter(user, "Auxiliary power, kW", "12")
+        enter(user, "Traction efficiency", "2")
+        expect(field(user, "Traction efficiency")).to_have_attribute("aria-invalid", "true")
+        expect(drawer(user).get_by_role("alert").first).to_have_text(re.compile(re.escape("At most 1. Kept: ")))
+        assert_nothing_grave(user)
+        assert user.page.evaluate("document.scrollingElement.scrollWidth") <= 390
+        head(user, "Track").press("Escape")
+        expect(drawer(user)).to_be_hidden()

@@ -6,8 +6,11 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from browser.server import Server, serving
-from browser.user import GROUNDS, User, open_page
+from browser.user import GROUND, GROUNDS, User, open_page
+from railjoule.dashboard.look.tokens import THEMES
 
+LINK = "?v=1&page=Drive&load_percent=33"
+"""Of no other test, so that the frontier is computed."""
 LEAST_CONTRAST = 3.0
 """Of words on the page's ground, as WCAG has it for large ones: dark words on a dark ground have less than 2."""
 WATCH = """
@@ -35,6 +38,14 @@ const look = () => {
 };
 requestAnimationFrame(look);
 """
+WITHOUT_KEEPING = """() => {
+  const [axis] = [...Bokeh.documents[0].all_models].filter((model) => model.type === "LinearAxis");
+  window.worn = [];
+  axis.connect(axis.properties.axis_line_color.change, () => window.worn.push(axis.axis_line_color));
+  Bokeh.documents[0].roots()[0].data._custom_theme = [];
+}"""
+"""Lets the library lay its colours over figures, and notes those that an axis wears."""
+AXIS = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
 MOST_FRAMES = 4
 """A press is answered within so many pictures, as a busy machine makes fewer of them a second."""
 COUNT = """
@@ -52,18 +63,36 @@ QUIET_S, MOST_ERRORS = 10, 5
 """The tries after 1, 3 and 7 s leave a line each, and the socket that closes one or two."""
 
 
-def test_a_dark_page_is_dark_from_its_first_paint(server: Server, chromium: Browser) -> None:
-    context = chromium.new_context(color_scheme="dark", viewport={"width": 1280, "height": 900})
-    context.add_init_script(WATCH)
-    # the second time the server knows from the first which colours are asked for
-    for _ in range(2):
-        with User.on(context, server.drive_url) as user:
-            user.settled()
-            seen = user.page.evaluate("window.seen")
-        assert seen["grounds"] == [GROUNDS["dark"]]
-        assert len(seen["contrasts"]) > 0
-        assert min(seen["contrasts"])[0] >= LEAST_CONTRAST, min(seen["contrasts"])
-    context.close()
+def test_a_dark_page_is_dark_from_its_first_paint_until_other_colours_are_chosen(
+    server: Server, chromium: Browser
+) -> None:
+    with chromium.new_context(color_scheme="dark", viewport={"width": 1280, "height": 900}) as context:
+        context.add_init_script(WATCH)
+        # the second time the server knows from the first which colours are asked for
+        for opening in (1, 2):
+            with User.on(context, server.drive_url) as user:
+                seen = user.page.evaluate("window.seen")
+                assert seen["grounds"] == [GROUNDS["dark"]]
+                assert len(seen["contrasts"]) > 0
+                assert min(seen["contrasts"])[0] >= LEAST_CONTRAST, min(seen["contrasts"])
+                assert user.page.evaluate(AXIS) == THEMES["dark"]["ink3"]
+                if opening == 2:
+                    see_colours_follow(user)
+
+
+def see_colours_follow(user: User) -> None:
+    """Let the system change its colours, then choose others; figures wear those of the page."""
+    user.prefer("light")
+    user.page.wait_for_function(f"{AXIS} === '{THEMES['light']['ink3']}'")
+    for chosen in ("dark", "light"):
+        user.page.get_by_role("button", name="Toggle theme").click()
+        user.page.wait_for_function(GROUND, arg=GROUNDS[chosen])
+        user.page.wait_for_function(f"{AXIS} === '{THEMES[chosen]['ink3']}'")
+    # `library_workarounds.keep_colours`: without it the library still lays its own colours over those of figures
+    user.page.evaluate(WITHOUT_KEEPING)
+    user.page.get_by_role("button", name="Toggle theme").click()
+    own = [colour for theme in THEMES.values() for colour in theme.values()]
+    user.page.wait_for_function("own => window.worn.some((colour) => !own.includes(colour))", arg=own)
 
 
 @pytest.mark.parametrize("colours", ["light", "dark"])

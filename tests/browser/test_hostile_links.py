@@ -78,7 +78,6 @@ def guarded(server: Server) -> Iterator[Server]:
     process = psutil.Process(server.process.pid)
     _, hard = process.rlimit(psutil.RLIMIT_AS)
     process.rlimit(psutil.RLIMIT_AS, (process.memory_info().vms + MOST_MEMORY_BYTES, hard))
-    in_a_loop_of_its_own(opened(server, ""))  # the first page loads more than the others
     yield server
     process.rlimit(psutil.RLIMIT_AS, (hard, hard))
 

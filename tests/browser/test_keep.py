@@ -3,14 +3,24 @@
 import re
 from pathlib import Path
 
-from playwright.sync_api import BrowserContext, Page, expect
+from playwright.sync_api import Page, expect
 
 from browser.findings import grave_findings
 from browser.server import Server
-from browser.test_files import CANARY, GOOD
 from browser.user import PATIENCE_MS, User
 from railjoule.dashboard.keep.dropped import embedded
 
+CANARY = "</style></script><script>window.pwned=true</script><img src=x onerror='window.pwned=true'>"
+GOOD = """
+title = "Own line"
+[vehicle]
+preset = "metro-81-7036"
+[line]
+sections = [{ length_m = 900, gradient_permille = 2 }]
+stations = [{ name = "Half way", position_m = 400, dwell_s = 20 }]
+[timetable]
+travel_time_s = 150
+"""
 FIGURES = ("Energy from the supply", "Travel time", "Highest speed", "Recuperated")
 
 
@@ -32,7 +42,7 @@ def press(user: User, name: str) -> None:
     user.page.get_by_role("button", name=name, exact=True).click()
 
 
-def test_change_undo_redo_reload_and_share(user: User, server: Server, window: BrowserContext) -> None:
+def test_change_undo_redo_and_reload(user: User, server: Server) -> None:
     page, load = user.page, user.page.get_by_label("Load, % of capacity, as a number", exact=True)
     first = numbers(user)
     user.type("Load, % of capacity", "30")
@@ -55,13 +65,12 @@ def test_change_undo_redo_reload_and_share(user: User, server: Server, window: B
     page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
     expect(user.figure_value(FIGURES[0])).to_have_text(changed[0])
     expect(page.get_by_label("Draw EOC")).to_be_checked()
-    with User.on(window, page.url) as other:
-        assert numbers(other) == changed
-        other.see_no_alert()
+    assert numbers(user) == changed
+    user.see_no_alert()
 
 
 def test_save_and_drop(user: User, tmp_path: Path) -> None:
-    user.begin_anew()
+    user.go()
     user.type("Travel time, s", "190")
     expect(user.figure_value(FIGURES[1])).to_have_text("190.0s")
     kept = numbers(user)
@@ -86,11 +95,21 @@ def test_save_and_drop(user: User, tmp_path: Path) -> None:
     expect(alert).to_be_hidden()
 
 
-def test_markup_stays_text(user: User, server: Server) -> None:
+def test_a_file_is_opened_and_its_markup_stays_text(user: User, server: Server, tmp_path: Path) -> None:
     text = GOOD.replace('"Own line"', f'"{CANARY}"').replace('"Half way"', f'"{CANARY}"')
+    path = tmp_path / f"{CANARY.replace('/', '')}.toml"
+    path.write_text(text.replace("[line]", f'name = "{CANARY}"\n[line]\nname = "{CANARY}"'), encoding="utf-8")
+    user.open_file(path)
+    expect(user.scenario(CANARY)).to_be_visible()
+    expect(user.page.locator("option:checked").first).to_have_text(f"{CANARY} (file)")
+    expect(user.page.locator(".advice")).to_contain_text("stand 20 s")
+    user.see_no_alert()
     drop(user.page, f"{CANARY}.html", f"<html>{embedded(text)}</html>")
     expect(user.scenario(CANARY)).to_be_visible()
     expect(user.page.get_by_label("Command line")).to_contain_text(CANARY)
+    user.turn_to("Line")
+    expect(user.page.get_by_text("onerror").first).to_be_attached()
+    assert user.page.evaluate("window.pwned") is None
     user.page.goto(f"{server.url}?v=1&load_percent={CANARY}&{CANARY}=1&page={CANARY}&edits={CANARY}")
     alert = user.page.get_by_role("alert").filter(has_text="Parts of the link were ignored")
     expect(alert).to_contain_text("</style>")
@@ -99,9 +118,15 @@ def test_markup_stays_text(user: User, server: Server) -> None:
     expect(user.page).to_have_url(server.url)
 
 
-def test_a_link_behind_the_hash_and_one_of_another_version(user: User, server: Server) -> None:
-    user.page.evaluate("location.hash = '#v=1&page=Drive&load_percent=10&robustness.seed=7'")
-    expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("10")
-    expect(user.page).to_have_url(server.url + "?v=1&page=Drive&load_percent=10&day.seed=7")
-    user.page.evaluate("location.hash = '#v=2&load_percent=20'")
-    expect(user.page.get_by_role("alert").filter(has_text="The link has version 2")).to_be_visible()
+def test_a_file_too_large_says_so_and_changes_nothing(user: User, tmp_path: Path) -> None:
+    user.go()
+    energy, alert = user.number(FIGURES[0]), user.page.get_by_role("alert")
+    path = tmp_path / "large.toml"
+    path.write_text("#" * 2_500_000)
+    user.open_file(path)
+    expect(alert).to_contain_text("larger than the 2 MB of a scenario or the 10 MB of a report")
+    expect(user.figure_value(FIGURES[0])).to_have_text(energy)
+    press(user, "Close the message")
+    expect(alert).to_be_hidden()
+    user.push("Travel time, s", 4)
+    expect(user.figure_value(FIGURES[0])).not_to_have_text(energy)

@@ -6,6 +6,7 @@ from playwright.sync_api import Locator, expect
 from browser.user import User
 from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX
 
+LINK = "?v=1&page=Line"
 LENGTH_M, MARKET_M = 10_400.0, 1950.0
 """Of the line, and where its second station between the ends lies."""
 LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
@@ -14,9 +15,7 @@ LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 
 @pytest.fixture(scope="module")
 def user(user: User) -> User:
-    """One user, who comes from Start and stays on the page for all tests of this file."""
-    user.turn_to("Start")
-    user.turn_to("Line")
+    """One user, who stays on the page for all tests of this file."""
     user.page.get_by_role("button", name="Open Metro, ten stations").click()
     expect(user.figure_value("Energy of the whole line")).to_have_text("45.02kWh")
     return user

@@ -14,7 +14,7 @@ CHARTS = ("measured_speed", "line", "measured_energy")
 CANARY = "<img src=x onerror=window.pwned=1>"
 
 
-LINK = ""
+LINK = "?v=1&page=Start"
 
 
 @pytest.fixture(scope="module")

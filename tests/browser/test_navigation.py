@@ -1,10 +1,11 @@
 """The bar of pages, its groups and keys, and what stands in the sidebar, as a user works with them."""
 
-from playwright.sync_api import BrowserContext, Locator, expect
+from playwright.sync_api import Locator, expect
 
-from browser.server import Server
 from browser.user import User, open_page
 from railjoule.dashboard.page_list import KEYED
+
+LINK = "?v=1&page=Drive&preset=ftorek-300s"
 
 
 def bar(user: User) -> Locator:
@@ -17,7 +18,6 @@ def question(user: User, page: str) -> None:
 
 
 def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
-    open_page(user, "Drive")
     group, entry = (bar(user).get_by_role("button", name=name, exact=True) for name in ("Equipment", "Set speeds"))
     group.hover()
     user.settled()
@@ -44,9 +44,8 @@ def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
 
 def test_keys_open_pages_pin_and_help_but_not_while_typing(user: User) -> None:
     open_page(user, "Drive")
-    for name in ("Compare", "Motor"):
-        user.page.keyboard.press(str(KEYED.index(name) + 1))
-        question(user, name)
+    user.page.keyboard.press(str(KEYED.index("Motor") + 1))
+    question(user, "Motor")
     user.page.keyboard.press("?")
     question(user, "Help")
     user.page.keyboard.press("1")
@@ -72,7 +71,6 @@ def test_this_run_is_a_radio_and_draw_a_box(user: User) -> None:
     open_page(user, "Drive")
     radio, box = user.page.get_by_role("radio", name="EOC"), user.page.get_by_label("Draw EOC")
     expect(user.page.get_by_label("Draw Optimal")).to_be_disabled()
-    user.choose("Suburban, flat 5 km")
     radio.check()
     expect(box).to_be_checked()
     expect(box).to_be_disabled()
@@ -86,12 +84,11 @@ def test_this_run_is_a_radio_and_draw_a_box(user: User) -> None:
     expect(radio).to_be_hidden()
 
 
-def test_one_menu_on_narrow_screens(server: Server, window: BrowserContext) -> None:
-    with User.on(window, server.drive_url, size=(390, 900)) as user:
-        menu = bar(user).get_by_role("button", name="Pages, ")
-        expect(bar(user).get_by_role("button", name="Pages, Drive")).to_be_visible()
-        for width in (390, 768):
-            user.page.set_viewport_size({"width": width, "height": 900})
+def test_one_menu_on_narrow_screens(user: User) -> None:
+    user.go()
+    menu = bar(user).get_by_role("button", name="Pages, ")
+    for width in (390, 768):
+        with user.resized(width, 900):
             # the menu of pages shows that the server has heard of the width
             expect(menu).to_be_visible(visible=width < 700)
             expect(user.slider("Travel time, s")).to_be_visible(visible=width >= 900)

@@ -14,7 +14,7 @@ TIME, LOAD = "Travel time, s", "Load, % of capacity"
 @pytest.fixture
 def user(user: User) -> User:
     """The user before what a new page shows."""
-    user.begin_anew()
+    user.go()
     return user
 
 

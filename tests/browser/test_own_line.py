@@ -18,7 +18,7 @@ LONGEST_WALK_S = 300.0
 ASSETS = Path(__file__).parents[2] / "assets"
 
 
-LINK = ""
+LINK = "?v=1&page=Start"
 
 
 @pytest.fixture
@@ -103,12 +103,11 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
 def test_hostile_files_get_a_sentence(user: User, tmp_path: Path) -> None:
     page = user.page
     open_page(user, "Files")
-    bad = tmp_path / "limits.csv"
+    bad, large = tmp_path / "limits.csv", tmp_path / "large.csv"
     bad.write_text(f"from,to,{CANARY}\n0,{CANARY},80\n")
+    large.write_bytes(b"0" * 8_000_001)
     bring(user, bad)
     expect(page.get_by_role("alert").filter(has_text="limits.csv: ").first).to_be_visible()
-    large = tmp_path / "large.csv"
-    large.write_bytes(b"0" * 8_000_001)
     bring(user, large)
     expect(page.get_by_text("larger than the 8 MB that a file may have.")).to_be_visible()
     assert page.evaluate("window.pwned === undefined")

@@ -1,13 +1,12 @@
 """Each page by mouse: it opens, its number and figure answer one change, and axe-core finds nothing grave."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import pytest
-from playwright.sync_api import BrowserContext, Locator, expect
+from playwright.sync_api import Locator, expect
 
 from browser.findings import assert_nothing_grave
-from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.page_list import PAGES
 
@@ -74,19 +73,11 @@ def number(user: User, change: Change) -> Locator:
     return user.page.locator(change.text).first
 
 
-@pytest.fixture
-def user(server: Server, window: BrowserContext, name: str) -> Iterator[User]:
-    """A user who has opened the page by its link: axe goes through all pages that a document holds."""
-    scenario = "" if name == "Start" else f"&preset={PRESET}"
-    with User.on(window, f"{server.url}?v=1&page={name}{scenario}") as someone:
-        yield someone
-
-
 @pytest.mark.parametrize("name", PAGES)
 def test_a_page_opens_and_answers_a_change(user: User, name: str) -> None:
     change = CHANGES[name]
+    user.go(f"?v=1&page={name}" + f"&preset={PRESET}" * (name != "Start"))
     expect(user.question(name)).to_be_visible()
-    user.settled()
     if change.first:
         change.first(user)
         user.settled()

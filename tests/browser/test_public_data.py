@@ -3,13 +3,14 @@
 import re
 from pathlib import Path
 
+import pytest
 from documents import ROOT, text_of
 from playwright.sync_api import expect
 
 from browser.user import User, open_page
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 
-LINK = ""
+LINK = "?v=1&page=Start"
 FILES = [ROOT / "assets" / "imports" / f"{name}.json" for name in ("CH_StGallen_Wil", "NL_Intercity_VIRM6")]
 STEPS = re.findall(
     r"^\d+\. .*(?:\n   .*)*", text_of("tutorials/public_data").partition("## The same by mouse")[2], re.M
@@ -26,6 +27,7 @@ def see_energy(user: User, step: str) -> None:
     expect(user.figure_value("Energy from the supply")).to_contain_text(energy[1])
 
 
+@pytest.mark.nightly
 def test_the_steps_lead_to_a_report(user: User, tmp_path: Path) -> None:
     names = [re.findall(r"\*\*(.+?)\*\*", step) for step in STEPS]
     (files,), (choose,), (noticed,), (both,), (edit, timetable, reserve, close), (linear,), (report, make) = names

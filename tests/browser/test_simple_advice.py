@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
-from browser.test_files import GOOD
+from browser.test_keep import GOOD
 from browser.user import User
 from railjoule.core import Scenario, load_scenario, solve
 from railjoule.core.scenario import parse_scenario

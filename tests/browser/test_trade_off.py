@@ -23,18 +23,6 @@ def test_frontier_surface_and_contours(user: User) -> None:
     expect(user.page.locator(".rj-chart-surface:visible canvas").first).to_be_visible()
 
 
-def test_a_scenario_with_enoc_is_one_press_away_and_undo_returns(user: User) -> None:
-    user.choose("Metro, profile II + I")
-    user.page.get_by_label("Draw Set speeds", exact=True).check()
-    table = user.page.get_by_role("table").filter(has_text="vs optimum, %").locator("visible=true")
-    expect(table.get_by_role("row", name="Set speeds")).to_contain_text("1.7 s late")
-    user.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
-    expect(user.page.locator(".rj-chart-surface:visible canvas").first).to_be_visible()
-    user.page.get_by_role("button", name="Undo", exact=True).click()
-    expect(user.page.get_by_role("button", name="Open Suburban, flat 5 km")).to_be_visible()
-    user.choose("Suburban, flat 5 km")
-
-
 def test_the_surface_is_saved(user: User) -> None:
     place = user.page.locator(".rj-chart-surface:visible")
     place.scroll_into_view_if_needed()

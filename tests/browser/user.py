@@ -1,11 +1,10 @@
 """What a user does with the page, and what she sees."""
 
 import contextlib
-import re
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from urllib.parse import urlsplit
+from urllib.parse import urljoin, urlsplit
 from zipfile import ZipFile
 
 from playwright.sync_api import BrowserContext, Locator, Page, expect
@@ -21,6 +20,15 @@ GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
 GROUND = "colour => getComputedStyle(document.body).backgroundColor === colour"
 HARMLESS = ("Upload error",)
 """The browser refuses a file too large to send."""
+DRIVE = "?v=1&page=Drive"
+GO = """(link) => new Promise((done) => {
+  addEventListener("hashchange", () => done(), {once: true});
+  location.hash = link;
+})"""
+"""Opens a link, and ends once the page has told its server."""
+MADE = "names => names.filter((name) => Bokeh.documents[0].get_model_by_name(`page ${name}`)).length"
+MOST_MADE = 3
+"""A window that has more pages of the bar is opened anew: all that looks for an element goes through all of them."""
 
 
 class User:
@@ -61,11 +69,17 @@ class User:
             if "page=Drive" in url:
                 user.see_drive()
             yield user
-            grave = [error for error in user.errors if not error.startswith(HARMLESS)]
-            assert grave == [], grave
-            assert user.foreign == [], user.foreign
+            user.check()
         finally:
             user.page.close()
+
+    def check(self) -> None:
+        """Check that nothing has gone wrong in the browser since the last time."""
+        grave = [error for error in self.errors if not error.startswith(HARMLESS)]
+        foreign = [*self.foreign]
+        self.errors.clear()
+        self.foreign.clear()
+        assert (grave, foreign) == ([], [])
 
     def _note(self, address: str) -> None:
         parts = urlsplit(address)
@@ -86,10 +100,6 @@ class User:
     def slow_down(self, times: float) -> None:
         """Let the browser compute this many times slower, as on an old computer."""
         self.page.context.new_cdp_session(self.page).send("Emulation.setCPUThrottlingRate", {"rate": times})
-
-    def rest(self, milliseconds: int = 400) -> None:
-        """Wait for a fixed time."""
-        self.page.wait_for_timeout(milliseconds)
 
     def settled(self) -> None:
         """Wait until the server has answered, nothing is computed, and the charts in sight are drawn."""
@@ -146,7 +156,7 @@ class User:
         )
 
     def picture(self, chart: str) -> bytes:
-        """Return what a chart looks like."""
+        """Return the picture of a chart."""
         return self.page.locator(f".rj-chart-{chart}:visible").screenshot()
 
     def choose(self, title: str) -> None:
@@ -163,12 +173,30 @@ class User:
         """Return the name of the scenario beneath the heading of the page in sight."""
         return self.page.locator(".head:visible .scenario").get_by_text(title, exact=True)
 
-    def begin_anew(self) -> None:
-        """Go back to what a new page of Drive shows, by its link: without the seconds that opening a page takes."""
+    def go(self, link: str = DRIVE) -> None:
+        """Show what a new window shows at a link: mostly in this one, without the seconds that opening one takes."""
+        self.settled()
         self.page.mouse.move(5, 5)
-        self.page.evaluate("location.hash = '#v=1&page=Drive'")
-        expect(self.page).to_have_url(re.compile(r"\?v=1&page=Drive$"))
-        self.see_drive()
+        self.url = urljoin(self.url, link)
+        if self.page.evaluate(MADE, list(PAGES)) > MOST_MADE:
+            self.load()
+        else:
+            self.page.evaluate(GO, link.replace("?", "#"))
+        if link.startswith(DRIVE):
+            self.see_drive()
+        self.settled()
+
+    @contextlib.contextmanager
+    def resized(self, width: int, height: int) -> Iterator[None]:
+        """Look at the page in a window of another size [px]."""
+        size = self.page.viewport_size
+        assert size is not None
+        self.page.set_viewport_size({"width": width, "height": height})
+        try:
+            yield
+        finally:
+            self.page.set_viewport_size(size)
+            self.settled()
 
     def turn_to(self, page: str) -> None:
         """Turn to another page, and wait until all charts in sight are drawn and nothing moves into place any more."""
