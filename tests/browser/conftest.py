@@ -29,10 +29,10 @@ MESSAGE_OF_CLOSED_PAGE = re.compile(
     r".*assert self\._session is not None\n.*\nAssertionError\n",
     re.MULTILINE,
 )
-"""Bokeh's report of what comes of a page that is being closed; nothing is lost.
+"""Bokeh's report of a message that arrives as its page is closed; nothing is lost.
 
-Where a ping finds the websocket closed before the page's end is handled, Bokeh forgets the session at once (since
-https://github.com/bokeh/bokeh/pull/13655), and then asks the connection for it, at its end or in a message that waited.
+A ping that finds the websocket closed lets Bokeh forget the session (https://github.com/bokeh/bokeh/pull/13655) before
+the end of the connection is handled, and that end, or a message that waited, asks for the session.
 """
 
 

@@ -28,7 +28,7 @@ def lesson(page: Page, name: str) -> Locator:
     return page.locator(f".rj-lesson-{name}:visible")
 
 
-def test_a_link_leads_to_its_lesson_which_tells_nothing_of_the_optimum_before_a_guess(
+def test_a_link_leads_to_its_lesson_with_nothing_of_the_optimum_before_a_guess(
     window: BrowserContext, server: Server
 ) -> None:
     begun = time.monotonic()

@@ -156,7 +156,7 @@ class User:
         )
 
     def picture(self, chart: str) -> bytes:
-        """Return what a chart looks like."""
+        """Return the picture of a chart."""
         return self.page.locator(f".rj-chart-{chart}:visible").screenshot()
 
     def choose(self, title: str) -> None:
