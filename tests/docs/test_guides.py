@@ -132,17 +132,17 @@ from railjoule.dashboard.charts.dress import line_style
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.shell.strategies import StrategyList
 from railjoule.dashboard.workbench import Workbench
-row = next(row for row in StrategyList(Workbench()).strategies if row["name"] == "slowed")
-print(json.dumps([row["label"], str(row["swatch"]), str(row["info"]), LIGHT["slowed"], DARK["slowed"],
-    line_style("slowed")["line_dash"], strategies_css()]))
+rows = StrategyList(Workbench()).html
+print(json.dumps([rows, LIGHT["slowed"], DARK["slowed"], line_style("slowed")["line_dash"], strategies_css()]))
 """
 
 
 def test_the_sidebar_lists_the_added_strategy(with_the_strategy: Path) -> None:
-    label, swatch, info, light, dark, dash, css = json.loads(answer(with_the_strategy, "-c", ON_THE_PAGE))
-    assert label == "Slowed"
-    assert "slowed" in swatch
-    assert "data-term='slowed'" in info
+    rows, light, dark, dash, css = json.loads(answer(with_the_strategy, "-c", ON_THE_PAGE))
+    row = rows.partition('data-name="slowed"')[2].partition('<div class="strategy"')[0]
+    assert '<label class="name" for="slowed">Slowed</label>' in row
+    assert "stroke slowed" in row
+    assert "data-term='slowed'" in row
     assert (light, dark, dash) == ("#6B5B00", "#D7C46A", [10, 2, 2, 2])
     assert ".stroke.slowed { stroke: var(--rj-slowed)" in css
 
@@ -151,16 +151,16 @@ LISTED = """
 import json
 from railjoule.dashboard.shell.strategies import StrategyList
 from railjoule.dashboard.workbench import Workbench
-print(json.dumps([row["label"] for row in StrategyList(Workbench()).strategies]))
+print(json.dumps(StrategyList(Workbench()).html))
 """
 
 
 def test_the_change_of_the_first_hour_is_seen_in_a_terminal_and_on_the_page(after_the_first_hour: Path) -> None:
     command = ("-m", "railjoule.dashboard", "solve", "short.toml", "--strategy", "fastest")
     assert answer(after_the_first_hour, *command).splitlines()[0].endswith(": Shortest time")
-    labels = json.loads(answer(after_the_first_hour, "-c", LISTED))
-    assert "Shortest time" in labels
-    assert "Fastest" not in labels
+    rows = json.loads(answer(after_the_first_hour, "-c", LISTED))
+    assert ">Shortest time</label>" in rows
+    assert ">Fastest</label>" not in rows
 
 
 GATE = ("tests/dashboard/look/test_glossary.py", "tests/dashboard/look/test_tokens.py")

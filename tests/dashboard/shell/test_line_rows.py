@@ -1,4 +1,4 @@
-"""The line in the sidebar: what it says in numbers."""
+"""The line in the sidebar, as people read it."""
 
 from railjoule.dashboard.shell.sidebar import line_rows
 from railjoule.dashboard.workbench import Workbench
