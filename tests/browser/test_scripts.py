@@ -13,7 +13,7 @@ from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.browser import bar_html
 from railjoule.dashboard.editor.forms import table_html
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
-from railjoule.dashboard.pages.drive.player import Player
+from railjoule.dashboard.pages.drive.charts import Player
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
 from railjoule.dashboard.pages.learn.driven import lesson_html
 from railjoule.dashboard.shell.strategies import strategy_rows

@@ -56,8 +56,6 @@ ROOM_SHARE = 0.012
 class ByHandChart(LessonSpeedChart):
     """Speeds over the distance while a train is driven: the browser fills in all but the limits."""
 
-    x_title = ""
-
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("by_hand_speed", "Speed, km/h", lesson()[0], height, palette)
         # room for the mark of a train that stands at an end
@@ -66,6 +64,10 @@ class ByHandChart(LessonSpeedChart):
     def build(self) -> None:
         """Make the figure."""
         super().build()
+        assert self.figure is not None
+        # the track below has the numbers
+        self.figure.xaxis[0].visible = False
+        self.figure.min_border_bottom = 4
         for _, _, token in COMMANDS:
             self.add_strip(token, token)
         for name, token, width in (("best", "accent", 2.6), ("run", "ink", 1.8)):
@@ -104,7 +106,7 @@ def add_trains(chart: Any) -> None:
 
 SPEED = Plot("by_hand_speed", heights=(230, 250, 190), chart=ByHandChart)
 HEIGHT = replace(DRAWN_HEIGHT, name="by_hand_height", ticks=2, layers=(add_trains,), draws=draw_height)
-ABOVE = replace(DRAWN_ABOVE, name="by_hand_above", heights=(90, 100, 80), ticks=2, x_title="")
+ABOVE = replace(DRAWN_ABOVE, name="by_hand_above", heights=(90, 100, 80), ticks=2)
 BY_HAND_PLOTS = (SPEED, HEIGHT, ABOVE)
 
 
