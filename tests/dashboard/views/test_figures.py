@@ -48,6 +48,7 @@ def with_guesses(state):
         setattr(learn, lesson.guess, lesson.guess_ends[0])
     learn.played["drawn"].type_speed()
     learn.hear("drawn", "done", learn.played["drawn"].text)
+    learn.hear("driven", "done", "p0c300p600")
 
 
 def with_simple_advice(state):

@@ -13,6 +13,7 @@ from turns import Page
 from railjoule.core import load_scenario
 from railjoule.core.studies.sweep import SweepTable
 from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.pages.explore import compute
 from railjoule.dashboard.pages.explore import study as studies
 from railjoule.dashboard.pages.explore.compute import table_file
 from railjoule.dashboard.pages.explore.fields import MOST_VARIED, fields_that_vary
@@ -47,6 +48,13 @@ class Desk:
     def table(self) -> SweepTable:
         assert self.model.table is not None
         return self.model.table
+
+
+@pytest.fixture(autouse=True)
+def _short_preview(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Previews end with their first runs; tests/dashboard/pages/explore/test_compute.py has whole ones."""
+    monkeypatch.setattr(compute, "PREVIEW_S", 0.0)
+    monkeypatch.setattr(compute, "MOST_PREVIEW_S", 0.0)
 
 
 @pytest.fixture
