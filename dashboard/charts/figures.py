@@ -142,16 +142,6 @@ class DistanceChart(Chart):
             self.y_range.update(start=low, end=high)
 
 
-def captioned(text: str, f: figure) -> pn.Column:
-    """Return a figure under its caption."""
-    caption = parts.markup(
-        '<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 {}px">{}</div>', LEFT_PX, text
-    )
-    return parts.stack(
-        parts.html_pane(caption, css_classes=["rj-caption"]), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
-    )
-
-
 class LoneChart(Chart):
     """A chart with both axes of its own, for what does not lie over the page's shared axis.
 
@@ -171,7 +161,11 @@ class LoneChart(Chart):
         f = empty_figure(
             self.height, self.x_range, self.y_range, self.spoken, self.palette, ticks, digits, x_title, y_title
         )
-        self.figure, self.content = f, captioned(self.caption, f)
+        # 50 px, as `empty_figure` keeps left of the frame
+        template = '<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>'
+        caption = parts.html_pane(parts.markup(template, self.caption), css_classes=["rj-caption"])
+        self.figure = f
+        self.content = parts.stack(caption, pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
         return f
 
     def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:

@@ -4,19 +4,17 @@ import base64
 import hashlib
 from collections.abc import Iterable
 from datetime import datetime
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import bokeh
-from jinja2 import Environment, StrictUndefined, Template
 
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.keep.dropped import embedded
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.scripts import source
+from railjoule.dashboard.look.templates import template
 from railjoule.dashboard.look.theme import report_css
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.report.findings import Findings
@@ -47,7 +45,9 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         "own": findings.own,
         "optima": optima_data(findings, figures),
     }
-    return frame().render(
+    return template("report").render(
+        words=words,
+        comparisons=comparisons,
         title=words.title(scenario.title),
         subtitle=words.subtitle(run.distance_m, scenario.vehicle),
         made_at=f"{made_at.day} {made_at:%B %Y}, {made_at:%H:%M} {made_at:%Z}".strip(),
@@ -78,17 +78,6 @@ def optima_data(findings: Findings, figures: Figures) -> list[dict[str, Any]]:
         }
         for run, optimum in shown
     ]
-
-
-@cache
-def frame() -> Template:
-    """Return the template of the file, which escapes all texts that are not marked as HTML."""
-    made = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
-    made.globals.update(words=words, comparisons=comparisons)
-    # a browser would refuse all of the data because of one NaN
-    made.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
-    template = files("railjoule.assets").joinpath("templates", "report.html").read_text(encoding="utf-8")
-    return made.from_string(template)
 
 
 def policy(scripts: Iterable[str], draws: bool) -> str:

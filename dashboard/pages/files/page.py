@@ -84,10 +84,6 @@ class Files(RunsTab):
         self.param.watch(self._turn_to_newest, "reading")
         self.param.watch(self.open_taken, "opened")
 
-    def is_shown(self, tab: str) -> bool:
-        """Return whether the parts of a tab can be drawn."""
-        return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
-
     def is_over_time(self, axis: str) -> bool:
         """Return whether an axis is one of times, which is possible on the tab of runs."""
         return bool(axis == RUNS and self.desk.over_time)

@@ -49,10 +49,6 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
         """Return the part of a scenario that the accepted lateness is from."""
         return scenario.disturbance
 
-    def is_shown(self, tab: str) -> bool:
-        """Return whether the parts of a tab can be drawn."""
-        return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
-
     def is_over_time(self, axis: str) -> bool:
         """Return whether an axis is one of times, which is possible on the tab of events."""
         return axis == RIDES and self.desk.over_time
